@@ -16,17 +16,47 @@ ForcedKick::ForcedKick(const text::SizedScene& scene)
       change_(n_),
       middle_(n_),
       velocity_(n_),
-      known_(std::make_shared<std::vector<Known>>()) {}
+      turned_(TurnedMomenta::of(scene)),
+      known_(std::make_shared<std::vector<Known>>()) {
+  diagonal_ = scene.forces.diagonal && !turned_;
+  if (!turned_) return;
+  looked_.resize(n_ + n_ * n_);
+  state_.resize(2 * n_ + 1);
+  slope_.resize(n_);
+  given_.resize(n_);
+}
+
+void ForcedKick::velocity_of(const double* p, double* v) const {
+  if (!turned_) return scene_->velocity(p, v);
+  for (std::size_t i = 0; i < n_; ++i) v[i] = turned_->inverse_mass[i] * p[i];
+}
 
 StepStatus ForcedKick::kick(double* x, const double* slope, double t, double h, Work& work) {
+  if (!turned_) return kick_along(x, slope, t, h, work);
+  constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
+  std::copy_n(x, 2 * n_ + 1, state_.begin());
+  double* const y = state_.data() + n_;
+  multiply(turned_->to, x + n_, y);
+  multiply(turned_->to, slope, slope_.data());
+  beside_rest_ = std::numeric_limits<double>::min();
+  for (std::size_t i = 0; i < n_; ++i) beside_rest_ = std::max(beside_rest_, rounding * std::abs(x[n_ + i]));
+  for (std::size_t i = 0; i < n_; ++i)
+    if (jumps(i) && std::abs(y[i]) < beside_rest_) y[i] = 0;
+  const StepStatus status = kick_along(state_.data(), slope_.data(), t, h, work);
+  if (status != StepStatus::ok) return status;
+  multiply(turned_->back, y, x + n_);
+  x[2 * n_] = state_[2 * n_];
+  return status;
+}
+
+StepStatus ForcedKick::kick_along(double* x, const double* slope, double t, double h, Work& work) {
   if (scene_->forces.linear) {
     exact(x, slope, t, h);
   } else {
     StepStatus status = midpoint(x, slope, t, h, work);
-    if (scene_->forces.can_rest() && !scene_->has_full_mass()) {
+    if (turned_ || (scene_->forces.can_rest() && !scene_->has_full_mass())) {
       bool slides = status == StepStatus::ok;  // every momentum whose force jumps, on its side of 0
-      for (std::size_t i = 0; i < n_ && slides; ++i)
-        slides = !scene_->forces.jumping[i] || x[n_ + i] * (x[n_ + i] + change_[i]) > 0;
+      for (std::size_t i = 0; i < n_ && slides; ++i) slides = !jumps(i) || x[n_ + i] * (x[n_ + i] + change_[i]) > 0;
       if (!slides) status = through_rest(x, slope, t, h, work);
     }
     if (status != StepStatus::ok) return status;
@@ -38,12 +68,37 @@ StepStatus ForcedKick::kick(double* x, const double* slope, double t, double h, 
 
 void ForcedKick::look(const double* x, const double* p, double t) {
   std::copy_n(x, n_, at_.begin());
-  if (p) {
+  if (p && turned_) {
+    multiply(turned_->back, p, at_.data() + n_);
+  } else if (p) {
     std::copy_n(p, n_, at_.data() + n_);
   } else {
     std::fill_n(at_.data() + n_, n_, 0.0);
   }
   scene_->forces.jacobian.evaluate(at_.data(), t, looked_.data());
+  if (!turned_) return;
+  std::copy_n(looked_.begin(), n_, given_.begin());
+  multiply(turned_->to, given_.data(), looked_.data());
+  double* const jacobian = looked_.data() + n_;
+  if (scene_->forces.diagonal) {
+    std::copy_n(jacobian, n_, given_.begin());
+    std::fill_n(jacobian, n_ * n_, 0.0);
+    for (std::size_t i = 0; i < n_; ++i) jacobian[i * n_ + i] = given_[i];
+  }
+  for (std::size_t j = 0; j < n_; ++j) {  // T J, column by column, then times T⁻¹, row by row
+    for (std::size_t i = 0; i < n_; ++i) given_[i] = jacobian[i * n_ + j];
+    for (std::size_t i = 0; i < n_; ++i) {
+      jacobian[i * n_ + j] = 0;
+      for (std::size_t k = 0; k < n_; ++k) jacobian[i * n_ + j] += turned_->to[i * n_ + k] * given_[k];
+    }
+  }
+  for (std::size_t i = 0; i < n_; ++i) {
+    std::copy_n(jacobian + i * n_, n_, given_.begin());
+    for (std::size_t j = 0; j < n_; ++j) {
+      jacobian[i * n_ + j] = 0;
+      for (std::size_t k = 0; k < n_; ++k) jacobian[i * n_ + j] += given_[k] * turned_->back[k * n_ + j];
+    }
+  }
 }
 
 /// With ṗ = w at the start: p changes by h φ₁(hB) w, and its mean is p + h φ₂(hB) w. The work is the change of K less
@@ -52,7 +107,7 @@ void ForcedKick::exact(const double* x, const double* slope, double t, double h)
   const double *const p = x + n_, *const jacobian = looked_.data() + n_;
   look(x, nullptr, t);
   for (std::size_t i = 0; i < n_; ++i) rate_[i] = looked_[i] - slope[i];
-  if (scene_->forces.diagonal) {
+  if (diagonal_) {
     for (std::size_t i = 0; i < n_; ++i) {
       const Phi of = phi(h * jacobian[i]);
       const double rate = rate_[i] + jacobian[i] * p[i];
@@ -86,7 +141,7 @@ void ForcedKick::exact(const double* x, const double* slope, double t, double h)
 StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, double h, Work& work) {
   constexpr int most_rounds = 50;
   const double *const p = x + n_, *const jacobian = looked_.data() + n_;
-  const bool diagonal = scene_->forces.diagonal;
+  const bool diagonal = diagonal_;
   std::copy_n(p, n_, middle_.begin());
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_rounds; ++round) {
@@ -121,7 +176,7 @@ StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, 
       continue;
     }
     for (std::size_t i = 0; i < n_; ++i) middle_[i] = p[i] + 0.5 * change_[i];
-    scene_->velocity(middle_.data(), velocity_.data());
+    velocity_of(middle_.data(), velocity_.data());
     work_ = 0;
     for (std::size_t i = 0; i < n_; ++i) work_ += h * looked_[i] * velocity_[i];
     return StepStatus::ok;
@@ -132,11 +187,11 @@ StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, 
 /// What a force is on either side of rest it is with the other momenta as they are. Where each reads its own alone, all
 /// are looked at together.
 void ForcedKick::look_beside_rest(const double* x, const double* slope, double t, std::size_t which) {
-  const bool together = scene_->forces.diagonal;
+  const bool together = diagonal_;
   if (together && looked_beside_) return;
   looked_beside_ = true;
   for (auto* const rates : {&above_, &below_}) {
-    const double beside = rates == &above_ ? beside_rest : -beside_rest;
+    const double beside = rates == &above_ ? beside_rest_ : -beside_rest_;
     if (together) {
       velocity_.assign(n_, beside);
     } else {
@@ -152,12 +207,11 @@ void ForcedKick::look_beside_rest(const double* x, const double* slope, double t
 StepStatus ForcedKick::through_rest(const double* x, const double* slope, double t, double h, Work& work) {
   constexpr int most_rounds = 50;
   const double* const p = x + n_;
-  const bool diagonal = scene_->forces.diagonal;
+  const bool diagonal = diagonal_;
   side_.resize(n_);
   above_.resize(n_);
   below_.resize(n_);
   looked_beside_ = false;
-  const auto jumps = [&](std::size_t i) { return scene_->forces.jumping[i]; };
   const auto holds = [&](std::size_t i) { return above_[i] <= 0 && below_[i] >= 0; };
   for (std::size_t i = 0; i < n_; ++i) {
     if (p[i] == 0 && jumps(i)) look_beside_rest(x, slope, t, i);
@@ -166,11 +220,11 @@ StepStatus ForcedKick::through_rest(const double* x, const double* slope, double
   }
   // Newton's method for the midpoint, where a momentum whose force jumps stays on its side.
   const auto rests = [&](std::size_t i) { return jumps(i) && side_[i] == 0; };
-  const auto inside = [&](std::size_t i) { return !jumps(i) || side_[i] * middle_[i] > beside_rest; };
+  const auto inside = [&](std::size_t i) { return !jumps(i) || side_[i] * middle_[i] > beside_rest_; };
   bool solved = false;
   for (int round = 0; round < most_rounds && !solved; ++round) {
     for (std::size_t i = 0; i < n_; ++i)
-      velocity_[i] = jumps(i) ? side_[i] * std::max(side_[i] * middle_[i], beside_rest) : middle_[i];
+      velocity_[i] = jumps(i) ? side_[i] * std::max(side_[i] * middle_[i], beside_rest_) : middle_[i];
     look(x, velocity_.data(), t);
     ++work.forces;
     ++work.iterations;
@@ -192,7 +246,7 @@ StepStatus ForcedKick::through_rest(const double* x, const double* slope, double
   for (std::size_t i = 0; i < n_; ++i) {
     // F has its share of a change, and works along the mean momentum.
     const auto part = [&](double change, double mean, double time) {
-      work_ += (change + time * slope[i]) * (scene_->inverse_mass()[i] * mean);
+      work_ += (change + time * slope[i]) * (inverse_mass(i) * mean);
     };
     if (rests(i)) continue;
     if (!jumps(i) || side_[i] * (p[i] + change_[i]) > 0) {

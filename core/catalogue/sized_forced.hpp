@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/catalogue/turned_momenta.hpp"
 #include "core/number/exponential.hpp"
 #include "core/run/run_state.hpp"
 #include "core/schemes/splitting.hpp"
@@ -19,6 +20,7 @@ namespace least {
 /// linear in p, else the implicit midpoint rule in p alone, which is symmetric. Where a force jumps with the momentum
 /// that it acts on and with no other, as dry friction does, this is solved for on its own side of 0; where it comes to
 /// 0 and the forces on either side lead back to it, it stays there until they no longer do (Filippov's solution).
+/// Friction between bodies is that of the momenta that it jumps with (TurnedMomenta).
 class ForcedKick {
  public:
   explicit ForcedKick(const text::SizedScene& scene);
@@ -27,6 +29,10 @@ class ForcedKick {
   StepStatus kick(double* x, const double* slope, double t, double h, Work& work);
 
  private:
+  StepStatus kick_along(double* x, const double* slope, double t, double h, Work& work);
+  void velocity_of(const double* p, double* v) const;
+  double inverse_mass(std::size_t i) const { return turned_ ? turned_->inverse_mass[i] : scene_->inverse_mass()[i]; }
+  bool jumps(std::size_t i) const { return turned_ ? turned_->jumping[i] : scene_->forces.jumping[i]; }
   /// Writes F and ∂F/∂p at the place of x and some momenta p; null: at rest.
   void look(const double* x, const double* p, double t);
   void exact(const double* x, const double* slope, double t, double h);
@@ -38,20 +44,22 @@ class ForcedKick {
   void solve_on_sides(double h, bool diagonal, const Rests& rests, const Inside& inside);
   const MatrixPhi& phi_of(double h);
 
-  static constexpr double beside_rest = std::numeric_limits<double>::min();  ///< of 0
-
   const text::SizedScene* scene_;
   std::size_t n_;
+  bool diagonal_ = true;        ///< ∂F/∂p in the momenta of kicks
   std::vector<double> at_;      ///< q and p, where forces are looked at
   std::vector<double> looked_;  ///< F and ∂F/∂p there
   std::vector<double> rate_;    ///< ṗ at the start of the kick
   std::vector<double> change_;  ///< of p
   std::vector<double> middle_;  ///< the mean of p over the kick, or its midpoint
   std::vector<double> velocity_, matrix_;
-  std::vector<double> above_, below_;  ///< ṗ on either side of 0
-  bool looked_beside_ = false;         ///< in this kick, at all of these together
-  std::vector<double> side_;           ///< of 0, 1 or −1; 0 of what rests
-  double work_ = 0;                    ///< of the kick
+  std::vector<double> above_, below_;                        ///< ṗ on either side of 0
+  bool looked_beside_ = false;                               ///< in this kick, at all of these together
+  std::vector<double> side_;                                 ///< of 0, 1 or −1; 0 of what rests
+  double work_ = 0;                                          ///< of the kick
+  std::shared_ptr<const TurnedMomenta> turned_;              ///< momenta of kicks are these
+  std::vector<double> state_, slope_, given_;                ///< of turned momenta; scratch
+  double beside_rest_ = std::numeric_limits<double>::min();  ///< of 0
 
   /// Of matrices of numbers, by the length of kicks; steppers that are copied share them.
   struct Known {

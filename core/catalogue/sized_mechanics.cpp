@@ -6,6 +6,7 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/catalogue/compiled.hpp"
 #include "core/catalogue/sized_backend.hpp"
+#include "core/catalogue/turned_momenta.hpp"
 #include "core/memory_budget.hpp"
 #include "core/reference/blow_up.hpp"
 #include "core/reference/growth.hpp"
@@ -86,7 +87,7 @@ class SizedMechanics final : public Mechanics {
                       " momenta, too many to solve for in a kick";
     if (sized->forces.jumps)
       card_.summary +=
-          sized->forces.can_rest()
+          knows_rest(*sized)
               ? " A force jumps with the velocity: leapfrog, symplectic_euler and compositions of them know "
                 "what it holds at rest, no other scheme does."
               : " A force jumps with velocities of others: no scheme knows what it holds at rest.";
@@ -112,7 +113,7 @@ class SizedMechanics final : public Mechanics {
     const Held held = HeldByThread::take_soon(states * card_.variables.size() * sizeof(double) + rows);
     Solution solution = least::run(*backend(request), request, columns_, sink, cancelled);
     if (sized->forces.jumps && solution.stop.reason != ReturnCode::completed)
-      solution.warnings.push_back({"force_jumps", force_jumps(sized->forces.can_rest())});
+      solution.warnings.push_back({"force_jumps", force_jumps(knows_rest(*sized))});
     return solution;
   }
   std::unique_ptr<const RunBackend> backend(const Request& request) const override {

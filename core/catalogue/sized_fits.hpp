@@ -14,9 +14,14 @@ inline bool is_flat(const text::SizedScene& scene) {
   return flat && !scene.forced;
 }
 
+/// With friction α(t) s on a metric that depends on the place: a general H whose q and p move without s.
+inline bool on_damped_metric(const text::SizedScene& scene) {
+  return scene.kind == text::FormKind::hamiltonian && !scene.forced && scene.moving < scene.components;
+}
+
 /// By its Lagrangian.
 inline bool follows_herglotz(const text::SizedScene& scene) {
-  return scene.is_quadratic() || scene.velocities || on_a_metric(scene);
+  return scene.is_quadratic() || scene.velocities || on_a_metric(scene) || on_damped_metric(scene);
 }
 
 inline bool on_all(const text::SizedScene&) { return true; }
@@ -39,7 +44,8 @@ inline bool on_damped(const text::SizedScene& scene) { return scene.kind == text
 inline bool on_contact(const text::SizedScene& scene) { return on_damped(scene) || scene.is_quadratic(); }
 /// Of not too many coordinates, with s that acts by its Lagrangian.
 inline bool with_lagrangian(const text::SizedScene& scene) {
-  return (scene.is_quadratic() || scene.velocities) && scene.coordinates <= text::SizedScene::most_full;
+  return (scene.is_quadratic() || scene.velocities || on_damped_metric(scene)) &&
+         scene.coordinates <= text::SizedScene::most_full;
 }
 inline bool on_steady_or_damped(const text::SizedScene& scene) { return on_steady(scene) || on_damped(scene); }
 inline bool on_contact_path(const text::SizedScene& scene) {

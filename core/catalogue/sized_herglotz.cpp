@@ -58,7 +58,7 @@ double SizedHerglotz<T>::step_energy(StateView from, double h) {
 template <class T>
 StepStatus SizedHerglotz<T>::stage(T* x, double t, double h) {
   for (std::size_t i = 0; i < start_.size(); ++i) start_[i] = plain_number(x[i]);
-  scene_->motion().evaluate(start_.data(), t, rate_.data());
+  scene_->rate.evaluate(start_.data(), t, rate_.data());
   double size = 0;  // of velocities: they mean something down to what they do to the place
   for (std::size_t i = 0; i < n_; ++i) {
     size += std::abs(start_[i]);

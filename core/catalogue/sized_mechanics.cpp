@@ -6,6 +6,7 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/catalogue/compiled.hpp"
 #include "core/catalogue/sized_backend.hpp"
+#include "core/catalogue/sized_fits.hpp"
 #include "core/catalogue/turned_momenta.hpp"
 #include "core/memory_budget.hpp"
 #include "core/reference/blow_up.hpp"
@@ -118,7 +119,8 @@ class SizedMechanics final : public Mechanics {
   }
   std::unique_ptr<const RunBackend> backend(const Request& request) const override {
     auto sized = text_.sized(request.scene->parameters);
-    const bool all = sized->forced || asks_for_full_state(card_, request);
+    // Steps by Herglotz' equations, and those of a general H, are of all of a state.
+    const bool all = sized->forced || on_damped_metric(*sized) || asks_for_full_state(card_, request);
     return std::make_unique<const SizedBackend>(std::move(sized), all);
   }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }

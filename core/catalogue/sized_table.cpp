@@ -75,7 +75,7 @@ EnergyTerms SizedTable::energy_terms(StateView x) const {
       terms.action_slope = action_slope(s, x.t);
       terms.total = terms.kinetic + terms.potential + scene_->action_energy(s, x.t);
     }
-  } else if (traits.general) {
+  } else if (traits.general && traits.full) {
     double all[2];
     scene_->hamiltonian.evaluate(x.numbers, x.t, all);
     terms.total = all[0];

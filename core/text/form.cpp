@@ -135,6 +135,8 @@ class Reader : TextReader {
       keep_hessian(second);
       const auto raised = inverse_of(second);
       if (!raised) return fault(pointer, "is not regular: its second derivative by the velocities has no inverse");
+      // What s adds is friction α(t) s: q and p move without it, and by Herglotz' equations.
+      if (natural && form_->kind == FormKind::contact_linear) form_->lagrangian = *text;
       form_->hamiltonian = legendre(*raised, linear, potential);
     }
     general(form_->hamiltonian);

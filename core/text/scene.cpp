@@ -70,7 +70,9 @@ ProblemCard TextScene::described() const {
     const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
     if (acting && !rests) {
       add("s", "action");
-      card.variables.back().optional = !form->reads_action;
+      const Symbol& found = form->lagrangian;  // of a general H: s adds friction to it, which moves q and p without s
+      const bool damped = form->kind == FormKind::hamiltonian && !(found.is_constant() && found.constant() == 0);
+      card.variables.back().optional = !form->reads_action || damped;
     }
   }
   for (const auto& parameter : definition.parameters)

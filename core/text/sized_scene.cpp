@@ -11,6 +11,16 @@
 
 namespace least::text {
 
+namespace {
+
+/// Of a general H whether the motion of q and p needs no s, which is there: a Lagrangian has been found that s adds
+/// α(t) s to.
+bool is_damped_metric(const Form& form) {
+  return form.kind == FormKind::hamiltonian && !(form.lagrangian.is_constant() && form.lagrangian.constant() == 0);
+}
+
+}  // namespace
+
 bool SizedScene::has(const Form& form) { return form.kind != FormKind::lagrangian || Velocities::fits(form.hessian); }
 
 SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
@@ -25,7 +35,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
       keeps_energy(form.keeps_energy) {
   const std::size_t n = coordinates;
   components = flow ? n : 2 * n + (acting ? 1 : 0);
-  moving = kind == FormKind::contact_linear ? 2 * n : components;
+  moving = kind == FormKind::contact_linear || is_damped_metric(form) ? 2 * n : components;
   equations.bound(most_equations);
   // Of its tape alone; what is made of that is held as soon as it is known how long it is.
   constexpr std::size_t bytes_of_typed = 96;
@@ -74,6 +84,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     if (acting) all[2 * n] = work - h;
     hamiltonian = of_state({h, slopes[2 * n]});
     lift = Lift::of(form, parameters);
+    if (moving < components && n <= most_full) lagrangian = formula(with_slopes(fold(form.lagrangian)));
   } else {
     const Symbol v = fold(form.potential), alpha = fold(form.damping), s = variable(2 * n);
     action_curvature = number(fold(form.action_curvature));

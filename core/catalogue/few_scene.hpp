@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/catalogue/frequency_floor.hpp"
 #include "core/number/vector.hpp"
 #include "core/schemes/transformed_stepper.hpp"
 #include "core/text/sized_scene.hpp"
@@ -52,8 +53,27 @@ class FewScene {
     for (std::size_t i = 0; i < N; ++i) here.slope[i] = both[i + 1];
     return here;
   }
+  /// Of a motion that begins at q at this level.
+  void follow_from(const Vec<N>& q, double level, double unit) {
+    const Vec<N> slope = gradient(q, 0);
+    floor_ = {bent_at(q), dot(slope, velocity(slope)), level - potential(q, 0), unit, level};
+  }
+  /// Along such a motion.
+  double frequency_squared(const Vec<N>& q) const { return floor_(bent_at(q), potential(q, 0)); }
+  Vec<N> velocity(const Vec<N>& p) const {
+    Vec<N> v;
+    for (std::size_t i = 0; i < N; ++i) {
+      v[i] = inverse_mass_[i][i] * p[i];
+      if (!full_) continue;
+      v[i] = inverse_mass_[i][0] * p[0];
+      for (std::size_t j = 1; j < N; ++j) v[i] += inverse_mass_[i][j] * p[j];
+    }
+    return v;
+  }
+
+ private:
   /// Frobenius' norm of g⁻¹V″.
-  double frequency_squared(const Vec<N>& q) const {
+  double bent_at(const Vec<N>& q) const {
     const Vec<N> at = q;
     Mat<N> bent{};
     scene_->curvature().evaluate(scene_->gradient, at.data(), 0.0, [&](std::size_t row, std::size_t column, double v) {
@@ -68,19 +88,9 @@ class FewScene {
       for (const double entry : line) sum += entry * entry;
     return std::sqrt(sum);
   }
-  Vec<N> velocity(const Vec<N>& p) const {
-    Vec<N> v;
-    for (std::size_t i = 0; i < N; ++i) {
-      v[i] = inverse_mass_[i][i] * p[i];
-      if (!full_) continue;
-      v[i] = inverse_mass_[i][0] * p[0];
-      for (std::size_t j = 1; j < N; ++j) v[i] += inverse_mass_[i][j] * p[j];
-    }
-    return v;
-  }
 
- private:
   const text::SizedScene* scene_;
+  FrequencyFloor floor_;
   bool full_;
   Mat<N> inverse_mass_{};
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/catalogue/frequency_floor.hpp"
 #include "core/memory_budget.hpp"
 #include "core/number/asked_by_thread.hpp"
 #include "core/run/run_state.hpp"
@@ -32,8 +33,15 @@ class SizedAdaptiveVerlet {
         bent_.resize(entries);
       }
     }
-    scene.gradient.evaluate(x.numbers.data(), 0.0, slope_.data());
-    const double start = monitor(x.numbers.data());
+    const double* const q = x.numbers.data();
+    scene.gradient.evaluate(q, 0.0, slope_.data());
+    if (curvature_) {
+      scene.velocity(slope_.data(), velocity_.data());
+      double force = 0;
+      for (std::size_t i = 0; i < slope_.size(); ++i) force += slope_[i] * velocity_[i];
+      floor_ = {bent_at(q), force, energy - potential_at(q), scheme.unit_energy, energy};
+    }
+    const double start = monitor(q);
     scale_ = start <= 0 ? -1 : 1 / start;
     ++work_.forces;
   }
@@ -69,13 +77,16 @@ class SizedAdaptiveVerlet {
 
  private:
   double monitor(const double* q) {
-    if (curvature_) return std::sqrt(local_frequency_squared(q));
+    const double potential = potential_at(q);
+    return std::sqrt(curvature_ ? floor_(bent_at(q), potential) : 1 + per_unit_ * (energy_ - potential));
+  }
+  double potential_at(const double* q) const {
     double potential;
     scene_->potential.evaluate(q, 0.0, &potential);
-    return std::sqrt(1 + per_unit_ * (energy_ - potential));
+    return potential;
   }
   /// Frobenius' norm of g⁻¹V″.
-  double local_frequency_squared(const double* q) {
+  double bent_at(const double* q) {
     double sum = 0;
     const auto see = [&](auto&& take) { curvature_->evaluate(scene_->gradient, q, 0.0, take); };
     if (bent_.empty()) {
@@ -97,11 +108,12 @@ class SizedAdaptiveVerlet {
 
   const text::SizedScene* scene_;
   const tape::SparseJacobian* curvature_ = nullptr;  ///< of the scene; none: the monitor is the arclength
-  double energy_;                                    ///< E₀
-  double per_unit_;                                  ///< 2/ε
-  double half_;                                      ///< h/2
-  double scale_ = 0, density_ = 1;                   ///< 1/U(q₀) unscaled, or −1 where U(q₀) is 0; ρ
-  std::vector<double> slope_;                        ///< ∇V at the state's q
+  FrequencyFloor floor_;
+  double energy_;                   ///< E₀
+  double per_unit_;                 ///< 2/ε
+  double half_;                     ///< h/2
+  double scale_ = 0, density_ = 1;  ///< 1/U(q₀) unscaled, or −1 where U(q₀) is 0; ρ
+  std::vector<double> slope_;       ///< ∇V at the state's q
   std::vector<double> velocity_;
   Held held_ = HeldByThread::take(0);
   std::vector<double> bent_;  ///< g⁻¹V″ column by column, where g is not diagonal

@@ -124,7 +124,9 @@ struct ClockedFew {
   static constexpr bool own_clock = true;
   static double level(const ClockedScene& problem, const State<N>& x) { return problem.level(x); }
   auto bind(const ClockedScene& problem, const State<N>& x, double energy) const {
-    return chosen.bind(FewScene<N>(*problem.scene), x, energy);
+    FewScene<N> few(*problem.scene);
+    if constexpr (std::is_same_v<Scheme, AdaptiveVerlet>) few.follow_from(x.q, energy, chosen.unit_energy);
+    return chosen.bind(few, x, energy);
   }
 };
 

@@ -1,6 +1,8 @@
 // Equations of motion that are singular on the way.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/texts.hpp"
 
 namespace {
@@ -21,6 +23,29 @@ TEST(SingularMotion, IsWarnedOfWhereARunGoesOnBeyond) {
       ASSERT_EQ(outcome.stop.reason, ReturnCode::completed) << scheme;
       EXPECT_EQ(std::ranges::count(outcome.warnings, "beyond_singularity", &Warning::code), end > 0.5) << scheme;
     }
+}
+
+// Exact flows and steps that follow the motion go along the limit of ellipses, which turn round at the centre: as of
+// the problem of the catalogue that is no motion, and is said.
+TEST(SingularMotion, IsWarnedOfWhereAFallGoesThroughItsCentre) {
+  const auto mechanics = mechanics_of(of(Definition::Kind::potential, {"x", "y"}, {}, "-1/sqrt(x^2 + y^2)"));
+  const double collision = std::acos(-1.0) / std::sqrt(8.0);
+  for (const char* scheme : {"kepler_splitting", "time_transformed"})
+    for (const double angle : {0.0, 0.3})
+      for (const double end : {0.9 * collision, 1.1 * collision, 50.0}) {
+        const std::vector<double> start{std::cos(angle), std::sin(angle), 0, 0};
+        Request request = request_by("leapfrog", mechanics, start, end);
+        const auto found = std::ranges::find(mechanics->schemes(), scheme, &SchemeCard::id);
+        ASSERT_NE(found, mechanics->schemes().end()) << scheme;
+        request.scheme = static_cast<std::size_t>(found - mechanics->schemes().begin());
+        request.settings.clear();
+        for (const auto& setting : found->parameters) request.settings.push_back(setting.value);
+        request.control = true;
+        const auto outcome = runs::go(request).outcome;
+        EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << scheme;
+        EXPECT_EQ(std::ranges::count(outcome.warnings, "beyond_singularity", &Warning::code), end > collision)
+            << scheme << ' ' << angle << ' ' << end;
+      }
 }
 
 // Close to a removable singularity one of the two series that a reference is made of may come to a place where it has

@@ -191,26 +191,28 @@ void Expansion::move(const double* y, double t) {
   series_.expand(y, t);
   t_ = t;
   if (!program().switches.empty() && leave_border(y)) series_.expand(y, t);
+  bool bounded = false;
   if (!std::isfinite(size(series_.order())) && !program().steep.empty()) {  // one that overflows may be in a divisor
     series_.expand(y, t, true);
-    if (!std::isfinite(size(series_.order()))) series_.expand(y, t);
+    bounded = std::isfinite(size(series_.order()));
+    if (!bounded) series_.expand(y, t);
   }
   find_used();
-  look_closer(y);
+  blur_ = 0;
+  told_ = std::numeric_limits<double>::infinity();
+  close_ = false;
+  if (!bounded && series_.divides() && used_ > 0) look_closer(y);
 }
 
 /// Where rates have few digits, or something that is divided by may vanish within the step that the series seems to
 /// allow, coefficients may be those of rounding: then they are computed to more digits, and told as far as these do.
 void Expansion::look_closer(const double* y) {
-  blur_ = 0;
-  told_ = std::numeric_limits<double>::infinity();
-  close_ = false;
-  if (!series_.divides() || used_ == 0) return;
   const double h = length_by_series(), reach = series_.reach(used_, h), blur = series_.blur();
   const auto far = [&](double part) {  // to where the last coefficient, by rounding alone, is a part of that times
     return std::exp((std::log(may_be_off() / blur / part) + used_ * std::log(reach)) / (used_ + 1));
   };
-  if (blur * h <= may_be_off() && h <= far(1) && until_pole(h) == h) return;
+  // It is no number where something overflows.
+  if (!std::isfinite(blur) || (blur * h <= may_be_off() && h <= far(1) && until_pole(h) == h)) return;
   constexpr double closer = 0x1p-53;
   series_.expand_closely(y, t_);
   close_ = true;

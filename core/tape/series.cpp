@@ -114,7 +114,8 @@ bool Series::defined(const double* x, double t) {
   trial_[at(program_.time())] = t;
   begin(trial_.data());
   for (std::size_t i = 0; i < program_.moving; ++i)
-    if (!std::isfinite(trial_[at(program_.rate[i])])) return false;
+    if (!std::isfinite(trial_[at(program_.rate[i])]))
+      return !program_.partial && !program_.steep.empty();  // what is steep may overflow in a divisor
   return true;
 }
 

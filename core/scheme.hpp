@@ -40,6 +40,13 @@ constexpr void take(std::array<T, N>& x, const std::array<T, N>& made, const M& 
   for (std::size_t i = 0; i < N; ++i) x[i] = select(good, made[i], x[i]);
 }
 
+/// Needs rates alone, which are numbers wherever the equations of motion are: where H has γs²/2 such a step has no flow
+/// of s in it, and so not the pole of that flow.
+template <class S>
+concept OfRatesAlone = requires {
+  requires S::of_rates_alone;
+};
+
 template <class S, class P, class X>
 using StepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(), std::declval<const X&>()));
 

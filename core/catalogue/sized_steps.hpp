@@ -236,6 +236,7 @@ class SizedContactLeapfrog {
 template <int Stages, class T = double>
 class SizedRungeKutta {
  public:
+  static constexpr bool of_rates_alone = true;
   SizedRungeKutta(const text::SizedScene& scene, const ExplicitTableau<Stages>& tableau, std::size_t components)
       : rate_(components == scene.components ? &scene.rate : &scene.motion()),
         tableau_(tableau),
@@ -307,7 +308,8 @@ class SizedSteps final : public EqualSteps {
   BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) override {
     double* const x = state.x.numbers.data();
     const std::size_t size = state.x.size();
-    const double* const s = problem_.traits.quadratic_contact ? x + 2 * problem_.traits.dof : nullptr;
+    const bool with_pole = problem_.traits.quadratic_contact && !of_rates_alone();
+    const double* const s = with_pole ? x + 2 * problem_.traits.dof : nullptr;
     double lowest = 0;
     StepStatus status = StepStatus::ok;
     const std::int64_t end = state.n + count;
@@ -339,6 +341,7 @@ class SizedSteps final : public EqualSteps {
   void take_stepper_back() override { stepper_ = left_stepper_; }
   Work stepper_work() const override { return stepper_.work(); }
   bool starts_at_singularity() const override { return false; }
+  bool of_rates_alone() const override { return OfRatesAlone<Stepper>; }
   double energy_of_step([[maybe_unused]] StateView from, [[maybe_unused]] double h) const override {
     if constexpr (requires { trial_.step_energy(from, h); }) return trial_.step_energy(from, h);
     return unknown;

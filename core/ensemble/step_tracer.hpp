@@ -46,16 +46,18 @@ class StepTracer {
   template <class Scheme>
   bool trace_steps(const Scheme& scheme, double step) {
     if constexpr (requires { typename StepperOf<Scheme, P, X>; }) {
+      constexpr bool with_pole = QuadraticContact<P> && !OfRatesAlone<Scheme>;
+      if (!with_pole) made_.pole = -1;
       trace_.make_room();  // a step that writes may not throw
       auto stepper = scheme.bind(problem_, x_);
       made_.forces_at_start = stepper.work().forces;
       X x = x_;
       made_.begin = trace_.size();
-      const Traced failed = trace_step(stepper, x, step);
+      const Traced failed = trace_step<with_pole>(stepper, x, step);
       made_.end = trace_.size();
       made_.forces_of_step = stepper.work().forces - made_.forces_at_start;
       const X after = x;
-      trace_step(stepper, x, step);
+      trace_step<with_pole>(stepper, x, step);
       if (trace_.full() || (failed.is_constant() && failed.constant() != 0)) return false;
       if (!failed.is_constant()) made_.failed = failed.on(trace_);
       return compare_steps(after);
@@ -172,11 +174,11 @@ class StepTracer {
   }
 
   /// A StepFailure.
-  template <class Stepper>
+  template <bool WithPole, class Stepper>
   Traced trace_step(Stepper& stepper, X& x, double step) {
     x.t = Traced::time(trace_);
     TracedStatus status = stepper.step(x, Traced::step(trace_));
-    if constexpr (QuadraticContact<P>) all_failed(status, reaches_pole(x, step), StepStatus::singular);
+    if constexpr (WithPole) all_failed(status, reaches_pole(x, step), StepStatus::singular);
     Traced failed = 0;
     const auto add = [&](const Traced::Mask& where, StepFailure why) {
       const bool first = failed.is_constant() && failed.constant() == 0;

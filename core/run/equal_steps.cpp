@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace least {
 namespace {
@@ -18,6 +19,11 @@ BlockResult EqualSteps::advance(IntegrationState& state, StepTarget target, Step
                                 DiagnosticSet* diagnostics) {
   std::int64_t count = std::min(target.n, grid_.step_before(target.t)) - state.n;
   if (count <= 0) return {};
+  if (const double pole = damping_pole(); pole < never) {
+    constexpr double slack = 1e-9;  // of a step
+    count = std::min(count, grid_.step_before(pole - slack * grid_.step) - state.n);
+    if (count <= 0) return BlockResult::failed(StepStatus::singular);
+  }
   if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
   if (diagnostics)
     count = std::min({count, diagnostics->watches() ? watched_ : most_rows, most_rows_of(problem_.traits)});
@@ -34,6 +40,7 @@ BlockResult EqualSteps::advance(IntegrationState& state, StepTarget target, Step
 
 BlockResult EqualSteps::finish(IntegrationState& state, double end, StepGuard& guard) {
   if (!(state.x.t < end)) return {};
+  if (!(end < damping_pole())) return BlockResult::failed(StepStatus::singular);
   const IntegrationState last = state;
   left_ = last.x;
   keep_stepper();
@@ -88,8 +95,7 @@ bool EqualSteps::starts_regularly(StateView x) {
 }
 
 BlockResult EqualSteps::check_start(StateView x, StepGuard& guard) const {
-  if (problem_.traits.quadratic_contact && pole_ratio(x) > 2 && grid_.steps > 0)
-    return BlockResult::failed(StepStatus::singular);
+  if (grid_.steps > 0 && !of_rates_alone() && reaches_pole(x)) return BlockResult::failed(StepStatus::singular);
   if (problem_.traits.has_frequency) {
     guard.see(problem_.frequency_squared(x) * grid_.step * grid_.step);
     if (grid_.steps > 0 && guard.exceeded()) return {BlockEnd::too_fast};
@@ -129,8 +135,37 @@ Work EqualSteps::work() const {
   return {before_.forces + here.forces, before_.iterations + here.iterations};
 }
 
-double EqualSteps::pole_ratio(StateView x) const {
-  return -problem_.action_curvature() * x[2 * problem_.traits.dof] * grid_.step;
+bool EqualSteps::reaches_pole(StateView x) const {
+  return problem_.traits.quadratic_contact &&
+         -problem_.action_curvature() * x[2 * problem_.traits.dof] * grid_.step > 2;
+}
+
+double EqualSteps::damping_pole() {
+  constexpr int looks = 256, first = 20, halvings = 60;
+  constexpr double sharply = 1e4;  // it grows by so much after the first halvings, as no zero or jump does
+  if (damping_pole_) return *damping_pole_;
+  damping_pole_ = never;
+  const ProblemTraits& traits = problem_.traits;
+  if (of_rates_alone() || !traits.linear_contact || traits.constant_damping || problem_.period() > 0) return never;
+  const double span = (grid_.end - grid_.start) / looks;
+  for (int k = 0; k < looks; ++k) {
+    double low = grid_.start + k * span, high = low + span;
+    const double before = problem_.damping(low), after = problem_.damping(high);
+    if (!std::isfinite(before)) {
+      if (k == 0) continue;  // such a start has been looked at
+      return *(damping_pole_ = low);
+    }
+    if (std::isfinite(after) && !(before * after < 0)) continue;
+    double size = std::abs(before), early = size;
+    for (int i = 0; i < halvings && std::isfinite(size); ++i) {
+      const double middle = std::midpoint(low, high), damping = problem_.damping(middle);
+      (damping * before > 0 ? low : high) = middle;
+      size = std::abs(damping);
+      if (i == first) early = size;
+    }
+    if (!(size <= sharply * early)) return *(damping_pole_ = low);
+  }
+  return never;
 }
 
 BlockResult EqualSteps::seen_block(IntegrationState& state, std::int64_t count, StepGuard& guard,

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "core/run/integrator.hpp"
@@ -58,6 +59,8 @@ class EqualSteps : public Integrator {
   virtual Work stepper_work() const = 0;
   // What the scheme says of itself.
   virtual bool starts_at_singularity() const = 0;
+  /// OfRatesAlone; else a step has in it what s adds to H, with its poles.
+  virtual bool of_rates_alone() const = 0;
   virtual double energy_of_step(StateView from, double h) const = 0;
   virtual DampingLimits damping_limits() const = 0;
 
@@ -75,8 +78,11 @@ class EqualSteps : public Integrator {
     SignsSeen signs;
   };
 
-  /// −γ s h, where H has γs²/2: from 2 on a step reaches the pole of ṡ = −γs²/2.
-  double pole_ratio(StateView x) const;
+  /// Whether −γ s h > 2, where H has γs²/2: such a step reaches the pole of ṡ = −γs²/2.
+  bool reaches_pole(StateView x) const;
+  /// The first time after the start at which the damping is infinite and changes its sign, as 2/t does: there is no
+  /// factor e^{−∫α} over it. Looked for once, as closely as a 256th of the way.
+  double damping_pole();
   BlockResult take_steps(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
   BlockResult replay(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
   /// `count` steps; where diagnostics see them and all went well, the signs there are looked at.
@@ -102,8 +108,9 @@ class EqualSteps : public Integrator {
   std::int64_t watched_ = 8;  ///< the length of blocks of which something is watched: much of one may be made again
   bool along_series_ = false, keeps_last_step_ = false;
   std::int64_t series_steps_ = 0;
-  Work before_;                     ///< of steppers that were put aside
-  std::unique_ptr<double[]> rows_;  ///< room for most_rows; none before diagnostics see a block
+  std::optional<double> damping_pole_;  ///< once it was looked for
+  Work before_;                         ///< of steppers that were put aside
+  std::unique_ptr<double[]> rows_;      ///< room for most_rows; none before diagnostics see a block
   Snapshot block_kept_, step_kept_;
 };
 

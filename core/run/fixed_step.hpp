@@ -28,6 +28,7 @@ class FixedStepIntegrator final : public EqualSteps {
 
  private:
   using Stepper = StepperOf<Scheme, P, X>;
+  static constexpr bool with_pole = QuadraticContact<P> && !OfRatesAlone<Scheme>;
 
   BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) override {
     return rows ? loop<true>(state, count, guard, rows) : loop<false>(state, count, guard, nullptr);
@@ -53,7 +54,7 @@ class FixedStepIntegrator final : public EqualSteps {
         const double here = kernel_problem_.frequency_squared(position(x));
         frequency = here > frequency ? here : frequency;
       }
-      if constexpr (QuadraticContact<P>) lowest = x.action.s < lowest ? x.action.s : lowest;
+      if constexpr (with_pole) lowest = x.action.s < lowest ? x.action.s : lowest;
       if constexpr (HasDomain<P>) left = left || !(kernel_problem_.inside(position(x)) >= 0);
       if constexpr (Sloped<X>) normalise(x);
       if constexpr (Observed) {
@@ -69,7 +70,7 @@ class FixedStepIntegrator final : public EqualSteps {
     state.n = n;
     if constexpr (HasFrequency<P>) guard.see(frequency * grid_.step * grid_.step);
     if (status != StepStatus::ok) return BlockResult::failed(status);
-    if constexpr (QuadraticContact<P>)
+    if constexpr (with_pole)
       if (-kernel_problem_.action_curvature() * lowest * grid_.step > 2)
         return BlockResult::failed(StepStatus::singular);
     const bool finite = is_finite_state(problem_.traits, state.x);
@@ -112,6 +113,7 @@ class FixedStepIntegrator final : public EqualSteps {
       return scheme_.starts_at_singularity(kernel_problem_);
     return false;
   }
+  bool of_rates_alone() const override { return OfRatesAlone<Scheme>; }
   double energy_of_step(StateView from, double h) const override {
     return least::discrete_energy(scheme_, kernel_problem_, state_from<X>(from), h);
   }

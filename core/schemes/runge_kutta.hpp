@@ -49,6 +49,7 @@ class ExplicitRungeKutta {
 
 struct ExplicitEuler {
   double step = 0.01;
+  static constexpr bool of_rates_alone = true;
   static constexpr std::tuple fields{step_field<ExplicitEuler>()};
   static SchemeCard card() {
     return {.id = "explicit_euler",
@@ -70,6 +71,7 @@ struct ExplicitEuler {
 
 struct ExplicitMidpoint {
   double step = 0.01;
+  static constexpr bool of_rates_alone = true;
   static constexpr std::tuple fields{step_field<ExplicitMidpoint>()};
   static SchemeCard card() {
     return {.id = "explicit_midpoint",
@@ -91,6 +93,7 @@ struct ExplicitMidpoint {
 
 struct RungeKutta4 {
   double step = 0.01;
+  static constexpr bool of_rates_alone = true;
   static constexpr std::tuple fields{step_field<RungeKutta4>()};
   static SchemeCard card() {
     return {.id = "runge_kutta_4",

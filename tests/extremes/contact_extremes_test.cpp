@@ -295,6 +295,23 @@ TEST(BlowUp, WithoutSourceWithASinkAndOfWeakCurvature) {
   EXPECT_EQ(reason(falling("contact_splitting", -2, {{"gamma", 0}})), ReturnCode::completed) << "without curvature";
 }
 
+// A part γs²/2 of a step has a pole at γsh = −2. Where nothing of a step is such a part, what feeds s turns it back:
+// from −30 by the rate 1000 − 450 of the start.
+TEST(BlowUp, PolesOfPartsAreThoseOfSchemesThatHaveThem) {
+  for (const std::size_t index : runs::problem_card("cosmological_oscillator").schemes) {
+    const SchemeCard& scheme = schemes()[index];
+    if (scheme.own_clock) continue;
+    const Request request = steps(set(falling(scheme.id, -30, {{"R", 1000}}), {{"step", 0.1}}), 1);
+    const auto result = go(request);
+    const bool plain =
+        scheme.id == "explicit_euler" || scheme.id == "explicit_midpoint" || scheme.id == "runge_kutta_4";
+    EXPECT_EQ(result.outcome.stop.reason, plain ? ReturnCode::completed : ReturnCode::singular) << scheme.id;
+    if (scheme.id == "explicit_euler") {
+      EXPECT_NEAR(result.outcome.final[2], 25, 1e-12);
+    }
+  }
+}
+
 // With a sink the action falls to −∞ once in every π/w, w = √(γ|R|/2) = 707: steps longer than that cannot miss it.
 TEST(BlowUp, IsNotLeaptOverByALongStep) {
   const double w = 500 * std::sqrt(2.0);

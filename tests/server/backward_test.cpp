@@ -59,6 +59,25 @@ TEST_F(Backward, EverySchemeReturns) {
   }
 }
 
+// There is no factor e^{−∫α} over t = 0 where α = 2/t: no step of a contact scheme leads there, forward or backward.
+TEST_F(Backward, NoContactStepGoesOverAPoleOfTheDamping) {
+  const Json typed = Json::parse(R"({"id":"custom","variables":["q"],"potential":"q^2/2","damping":"2/t"})");
+  for (const Json& problem : {typed, Json("lane_emden")})
+    for (const char* scheme :
+         {"contact_splitting", "contact_leapfrog", "contact_variational_midpoint", "contact_gauss"})
+      for (const double start : {1.0, 1.005, 0.006, -1.005}) {
+        if (start < 0 && problem.is_string()) continue;  // singular at once, as it says
+        const Json run = answer({{"problem", problem},
+                                 {"initial", {{"t", start}, {"q", 1}}},
+                                 {"scheme", scheme},
+                                 {"until", -start},
+                                 {"record", {{"every", 0}}}});
+        EXPECT_EQ(run["stop"]["reason"], "singular") << problem << scheme << start;
+        EXPECT_GT(run["stop"]["t"].get<double>() * start, 0) << problem << scheme << start;
+        EXPECT_LT(std::abs(run["stop"]["t"].get<double>()), 0.031) << problem << scheme << start;
+      }
+}
+
 // The motion of a scene that reads the time and s.
 TEST_F(Backward, IsTheSameMotion) {
   const Json problem = Json::parse(R"({"id":"custom","variables":["x"],"parameters":{"c":0.1},

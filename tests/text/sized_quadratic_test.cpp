@@ -92,6 +92,22 @@ TEST(SizedQuadratic, ManyBlowUpWhenTheActionDoes) {
   }
 }
 
+// What has no part γs²/2 in its steps has not its pole at γsh = −2 either: what feeds s turns it back.
+TEST(SizedQuadratic, PolesOfPartsAreThoseOfSchemesThatHaveThem) {
+  text::TypedScene typed;
+  typed.scene = quadratic(of(Definition::Kind::potential, {"q[20]"}, {}, "0*q[1]"), "1", "1000");
+  std::vector<double> start(41, 0.0);
+  start.back() = -30;
+  const auto mechanics = made(typed);
+  for (const char* scheme : {"explicit_euler", "explicit_midpoint", "runge_kutta_4"})
+    EXPECT_EQ(runs::go(stepped(scheme, mechanics, start, 0.1, 0.1)).outcome.stop.reason, ReturnCode::completed)
+        << scheme;
+  EXPECT_NEAR(final_of(stepped("explicit_euler", mechanics, start, 0.1, 0.1)).back(), 25, 1e-12);
+  for (const char* scheme : schemes_of_any_size)
+    EXPECT_EQ(runs::go(stepped(scheme, mechanics, start, 0.1, 0.1)).outcome.stop.reason, ReturnCode::singular)
+        << scheme;
+}
+
 TEST(SizedQuadratic, WhatHasAFullMatrixIsOfSomeCoordinatesOnly) {
   const auto few = oscillators(256), many = oscillators(257);
   for (const char* scheme : implicit_schemes) {

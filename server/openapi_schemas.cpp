@@ -115,12 +115,15 @@ Json answer_schema() {
                  "")},
       {"final", described(object, "t and the variables at the end", "")},
       {"diagnostics",
-       described(object,
-                 "by name, what was asked for: of lyapunov exponent, megno, verdict (in words, what the two of them "
-                 "mean), derivative (of the scheme or of the motion) and, where both numbers are null, the reason; of "
-                 "energy beside forces their work, ∫F·q̇ dt, which errors and drift do not count. Errors of energy and "
-                 "of momenta are the largest at the ends of steps, that of error is looked for within steps, too",
-                 "")},
+       described(
+           object,
+           "by name, what was asked for: of lyapunov exponent, megno, verdict (in words, what the two of them "
+           "mean), derivative (of the scheme or of the motion) and, where both numbers are null, the reason; of "
+           "energy beside forces their work, ∫F·q̇ dt, which errors and drift do not count; the drift weighs by time. "
+           "Errors of momenta, and of an energy that the motion keeps, are the largest at the ends of steps; that "
+           "of error, and what the motion changes of the energy where steps set their own length, is looked for "
+           "within steps, too",
+           "")},
       {"cost", object},
       {"choice",
        described(

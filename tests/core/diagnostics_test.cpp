@@ -134,6 +134,35 @@ TEST(Energy, StaysBoundedUnderLeapfrogAndDriftsUnderRungeKutta) {
   EXPECT_LT(ask(control, "energy/drift_per_time"), -1e-7) << "it loses energy";
 }
 
+// A drive changes the energy all the time: what it does within steps that are as long as the motion swings counts, and
+// for as long as it lasts. Against steps of a thousandth.
+TEST(Energy, OfADrivenMotionIsLookedAtWithinLongSteps) {
+  const auto driven = [](const char* scheme) {
+    Request request = asking("driven_oscillator", scheme, "energy");
+    for (const auto& [name, value] :
+         {std::pair{"damping", 0.0}, {"amplitude", 0.7}, {"frequency", 1.3}, {"phase", 0.4}})
+      runs::set(request, name, value);
+    return request;
+  };
+  for (const double end : {7.0, 31.0, 200.0}) {
+    Request fine = driven("contact_leapfrog");
+    runs::set(fine, "step", 1e-3);
+    fine.end = end;
+    for (const auto& [scheme, tolerance] : {std::pair{"taylor", 1e-12},
+                                            {"taylor", 1e-5},
+                                            {"dormand_prince_5", 1e-7},
+                                            {"fehlberg_78", 1e-6},
+                                            {"bulirsch_stoer", 1e-6}}) {
+      Request request = driven(scheme);
+      runs::set(request, "tolerance", tolerance);
+      request.end = end;
+      for (const char* number : {"energy/max_abs_error", "energy/max_rel_error", "energy/drift_per_time"})
+        EXPECT_NEAR(ask(request, number) / ask(fine, number), 1, 0.02) << number << ' ' << scheme << ' ' << end;
+      EXPECT_EQ(word(request, "energy/relative_to"), word(fine, "energy/relative_to")) << scheme;
+    }
+  }
+}
+
 TEST(Energy, OfTheOscillatorUnderExplicitEulerGrowsAsItMust) {  // by 1 + h² a step
   Request request = asking("harmonic_oscillator", "explicit_euler", "energy");
   request.until_steps = true;

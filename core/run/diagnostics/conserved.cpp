@@ -3,25 +3,51 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string_view>
+#include <utility>
 
 #include "core/run/diagnostics/drift.hpp"
 #include "core/run/diagnostics/rows.hpp"
+#include "core/run/hermite.hpp"
 
 namespace least {
 namespace {
 
-/// Least-squares slope of a quantity against time: its secular drift, apart from its oscillation.
+/// Least-squares slope of a quantity against time, which begins at 0: its secular drift, apart from its oscillation. Of
+/// straight lines between the values seen, so that each counts for as long as it lasts, whatever the steps.
 struct LinearTrend {
-  double n = 0, t = 0, tt = 0, y = 0, ty = 0;
+  double t = 0, y = 0, area = 0, moment = 0;  ///< the last value, ∫y dt and ∫ty dt up to it
   void see(double time, double value) {
-    n += 1;
-    t += time;
-    tt += time * time;
-    y += value;
-    ty += time * value;
+    const double step = time - t, sum = y + value;
+    area += 0.5 * step * sum;
+    moment += step / 6 * (t * (y + sum) + time * (value + sum));
+    t = time;
+    y = value;
   }
-  double slope() const { return (n * ty - t * y) / (n * tt - t * t); }
+  double slope() const { return 12 * (moment / t - 0.5 * area) / (t * t); }
+};
+
+/// The largest value of a quantity that is seen at times that lie apart: between them it is that of the parabola
+/// through the last three values, where the middle one is the largest of these.
+struct Peak {
+  double most = -std::numeric_limits<double>::infinity();
+  void see(double time, double value) {
+    constexpr double far = 8;  // of such a longer stretch the shorter one says nothing
+    const double before = t_[1] - t_[0], after = time - t_[1], rise = y_[1] - y_[0], fall = y_[1] - value;
+    most = std::max(most, value);
+    if (rise >= 0 && fall >= 0 && before > 0 && after > 0 && before < far * after && after < far * before) {
+      const double slope = (rise * after / before - fall * before / after) / (before + after);
+      const double bend = (rise / before + fall / after) / (before + after);
+      if (bend > 0) most = std::max(most, y_[1] + slope * slope / (4 * bend));
+    }
+    t_ = {t_[1], time};
+    y_ = {y_[1], value};
+  }
+
+ private:
+  std::array<double, 2> t_{unknown, unknown}, y_{};
 };
 
 /// States whose energies, or invariants, are computed at once.
@@ -30,17 +56,52 @@ constexpr std::size_t at_once = 64;
 /// What is looked at of a forced scene is H − W, which its motion keeps where H does not depend on time.
 /// Where an energy begins at zero its errors are still small or large: against the largest kinetic energy of the run,
 /// or, of a flow, which has none, against the largest size of the energy itself. `relative_to` says against what.
+/// Steps of a clock of its own may be as long as the motion swings: there what the motion changes is looked for within
+/// them, too. An energy that it keeps is that of the ends of steps, whatever dense output makes of it between them.
 class Energy final : public Diagnostic {
  public:
+  /// `long_steps`: they may be, and `smooth` where an error estimate of theirs says so; `changes`: what is looked at is
+  /// not kept by the motion.
+  Energy(bool long_steps, bool smooth, bool changes) : long_steps_(long_steps), smooth_(smooth), changes_(changes) {}
+
   void start(const ProblemTable& problem, StateView x) override {
     seen_.start_time = x.t;
     seen_.energy.start(problem.energy_of(x));
+    at_step_ = seen_.energy.initial;
     seen_.largest = problem.traits.potential ? problem.energy_terms(x).kinetic : std::abs(seen_.energy.initial);
-    seen_.trend.see(0, 0);
+    peaks_.size.see(0, seen_.largest);
+    peaks_.gain.see(0, 0);
+    peaks_.loss.see(0, 0);
+    keep(problem, x);
   }
   void see(const ProblemTable& problem, StateView x) override {
-    const EnergyTerms terms = problem.energy_terms(x);
-    seen_.see(x.t, terms, problem.traits.potential, work_of(problem.traits, x));
+    if (changes_ && smooth_ && !looked_ && looks()) look_along(problem, x);
+    take(problem, x, true);
+    keep(problem, x);
+    most_in_a_step_ = std::max(most_in_a_step_, std::abs(seen_.energy.final - at_step_));
+    at_step_ = seen_.energy.final;
+    ++steps_;
+    looked_ = false;
+  }
+  /// As long as steps are few. Where there are many, their ends meet what a motion comes back to, and so do parabolas
+  /// through them what changes little in a step: else each is looked into.
+  bool looks() const override {
+    constexpr std::int64_t few = 256;
+    constexpr double much = 0.3;
+    const double range = std::max(peaks_.gain.most, 0.0) + std::max(peaks_.loss.most, 0.0);
+    return long_steps_ && (steps_ < few || (changes_ && most_in_a_step_ > much * range));
+  }
+  void look(const ProblemTable& problem, StateView x) override {
+    if (!std::exchange(looked_, true)) {
+      seen_at_step_ = seen_;
+      peaks_at_step_ = peaks_;
+    }
+    if (std::isfinite(problem.energy_terms(x).total)) take(problem, x, changes_);
+  }
+  void look_again() override {
+    if (!std::exchange(looked_, false)) return;
+    seen_ = seen_at_step_;
+    peaks_ = peaks_at_step_;
   }
   void see(const ProblemTable& problem, const StateRows& states) override {
     std::array<EnergyTerms, at_once> terms;
@@ -59,15 +120,18 @@ class Energy final : public Diagnostic {
   Report report(const RunEnd& end) override {
     const DriftExtremes& energy = seen_.energy;
     const ProblemTraits& traits = end.problem.traits;
-    const double initial = std::abs(energy.initial), scale = std::max(initial, seen_.largest);
+    const double largest = std::max(seen_.largest, peaks_.size.most);
+    double most = energy.most;
+    if (changes_) most = std::max({most, peaks_.gain.most, peaks_.loss.most});
+    const double initial = std::abs(energy.initial), scale = std::max(initial, largest);
     Report report = numbers("energy", {{"initial", energy.initial},
                                        {"final", energy.final + work_of(traits, end.x)},
-                                       {"max_abs_error", energy.most},
-                                       {"max_rel_error", scale > 0 ? energy.most / scale : unknown},
+                                       {"max_abs_error", most},
+                                       {"max_rel_error", scale > 0 ? most / scale : unknown},
                                        {"drift_per_time", seen_.trend.slope()}});
-    const std::string_view what = !traits.potential         ? "largest energy"
-                                  : seen_.largest > initial ? "largest kinetic energy"
-                                                            : "initial energy";
+    const std::string_view what = !traits.potential   ? "largest energy"
+                                  : largest > initial ? "largest kinetic energy"
+                                                      : "initial energy";
     insert(report, 4, words("relative_to", scale > 0 ? what : ""));
     if (traits.forced) insert(report, 2, {"work", work_of(traits, end.x)});
     return report;
@@ -85,8 +149,41 @@ class Energy final : public Diagnostic {
       trend.see(t - start_time, terms.total - work - energy.initial);
     }
   };
+  struct EnergyPeaks {
+    Peak size, gain, loss;  ///< of what `largest` is of, and of the energy against the start
+  };
 
-  EnergyRecord seen_;
+  /// Of a step without a polynomial of its own.
+  void look_along(const ProblemTable& problem, StateView x) {
+    constexpr int parts = 12;
+    const HermitePath path(problem, before_, x);
+    for (int i = 1; i < parts; ++i) look(problem, path(before_.t + i * (x.t - before_.t) / parts));
+  }
+  void keep(const ProblemTable& problem, StateView x) {
+    if (!changes_ || !smooth_ || !looks()) return;
+    before_.t = x.t;
+    before_.numbers.assign(x.numbers, x.numbers + problem.traits.numbers);
+  }
+  /// `counts`: as an energy, not only as what it is measured by.
+  void take(const ProblemTable& problem, StateView x, bool counts) {
+    const EnergyTerms terms = problem.energy_terms(x);
+    const double work = work_of(problem.traits, x);
+    if (counts) seen_.see(x.t, terms, problem.traits.potential, work);
+    if (!long_steps_) return;
+    const double time = x.t - seen_.start_time, change = terms.total - work - seen_.energy.initial;
+    peaks_.size.see(time, problem.traits.potential ? terms.kinetic : std::abs(terms.total));
+    if (!changes_) return;
+    peaks_.gain.see(time, change);
+    peaks_.loss.see(time, -change);
+  }
+
+  bool long_steps_, smooth_, changes_;
+  bool looked_ = false;                      ///< into a step that is not seen yet
+  double at_step_ = 0, most_in_a_step_ = 0;  ///< the energy at the end of the last step, and the largest change in one
+  std::int64_t steps_ = 0;
+  EnergyRecord seen_, seen_at_step_;  ///< now, and at the end of the last step
+  EnergyPeaks peaks_, peaks_at_step_;
+  RunState before_;  ///< at the end of the last step
 };
 
 class Momenta final : public Diagnostic {
@@ -132,8 +229,11 @@ class Momenta final : public Diagnostic {
 
 }  // namespace
 
-std::unique_ptr<Diagnostic> energy_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
-  return std::make_unique<Energy>();
+std::unique_ptr<Diagnostic> energy_diagnostic(const RunBackend& backend, const Request& request, const KeepGoing&) {
+  const ProblemTraits& traits = backend.table().traits;
+  const SchemeCard& scheme = request.scene->mechanics->schemes()[request.scheme];
+  const bool long_steps = scheme.own_clock && (traits.potential || !traits.keeps_energy);
+  return std::make_unique<Energy>(long_steps, scheme.find("tolerance").has_value(), !traits.keeps_energy);
 }
 std::unique_ptr<Diagnostic> momenta_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
   return std::make_unique<Momenta>();

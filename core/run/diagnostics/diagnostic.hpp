@@ -50,7 +50,7 @@ class Diagnostic {
   virtual void see(const ProblemTable& problem, const StateRows& states) {
     for (std::size_t i = 0; i < states.count; ++i) see(problem, states[i]);
   }
-  /// A state within a step, if it `looks` at those.
+  /// A state within a step, if it `looks` at those of the next one.
   virtual bool looks() const { return false; }
   virtual void look(const ProblemTable&, StateView) {}
   /// The run ends within the step whose inner states were looked at last: they are going to be looked at again.

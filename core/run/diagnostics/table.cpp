@@ -195,7 +195,11 @@ void DiagnosticSet::note(bool passed) {
   signs_.halted = signs_.halted || (passed && watch_->may_end());
 }
 void DiagnosticSet::take(StateView x) {
-  for (Diagnostic* const one : seeing_) one->see(problem_, x);
+  looks_ = false;
+  for (Diagnostic* const one : seeing_) {
+    one->see(problem_, x);
+    looks_ = looks_ || one->looks();
+  }
 }
 
 }  // namespace least

@@ -164,12 +164,18 @@ bool Run::stop_as_unstable() {
 }
 
 bool Run::leave_domain(double outside_at) {
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
   const double when = exit_time(problem_, *integrator_, state_, outside_at);
   RunState x = state_.x;
   if (!watch_.empty() && integrator_->state_at(state_, std::min(when, end_), x) == StepStatus::ok)
     locate_watched(state_.x, x);
   if (!searched()) return false;
-  const double until = std::min(when, end_);
+  // The run ends at the last time that is known to lie inside: `when` is rounded.
+  double until = std::min(when, end_);
+  for (double back = epsilon * std::abs(when); until > state_.x.t; back *= 2) {
+    if (until < when && integrator_->state_at(state_, until, x) == StepStatus::ok && !problem_.outside(x)) break;
+    until = std::max(until - back, state_.x.t);
+  }
   StepInfo partial = last_step();
   if (!fixed_) partial.step_size = until - state_.x.t;
   while (due() < until) {
@@ -188,6 +194,11 @@ bool Run::leave_domain(double outside_at) {
     return true;
   }
   if (diagnostics_.watches_sections()) events_.add(0, false, when, x[0]);
+  if (x.t > state_.x.t) {
+    look_within(*integrator_, state_, x.t, diagnostics_);
+    state_.x = x;
+    diagnostics_.end(x);
+  }
   return stop(ReturnCode::left_domain, messages::left_domain(when), when);
 }
 

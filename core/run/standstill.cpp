@@ -32,19 +32,28 @@ class Approach {
   /// `most_forces`: evaluations of each of the walks; keep_going() is asked now and then.
   Approach(const RunBackend& backend, const RunState& start, std::int64_t most_forces, const KeepGoing& keep_going)
       : backend_(backend), start_(start), most_forces_(most_forces), keep_going_(keep_going) {
-    for (std::size_t i = 0; i < start.size(); ++i) size_ = std::max(size_, std::abs(start[i]));
-    if (!(size_ > 0 && size_ < 1)) size_ = 1;
+    const double size = size_of(start);
+    if (size > 0 && size < 1) size_ = size;
   }
 
   /// From the start to `until`, or as far as steps lead; see(state) is called after each.
   template <class See>
   End walk(double tolerance, double until, See&& see) const {
+    constexpr double much = 10;
     auto x = start_;
-    ControlStepper stepper(backend_, std::max(tolerance * size_, 1e-300));
+    double size = size_;
+    std::int64_t forces = 0;
+    const auto stepper_of = [&] { return ControlStepper(backend_, std::max(tolerance * size, 1e-300)); };
+    ControlStepper stepper = stepper_of();
     StandstillWatch watch(start_.t, 0);
     for (int step = 1; x.t < until; ++step) {
       const double before = x.t;
-      if (stepper.work().forces > most_forces_ || (step % 256 == 0 && !keep_going_())) break;
+      if (const double now = std::min(size_of(x), 1.0); now > much * size) {  // it has outgrown its start
+        size = now;
+        forces += stepper.work().forces;
+        stepper = stepper_of();
+      }
+      if (forces + stepper.work().forces > most_forces_ || (step % 256 == 0 && !keep_going_())) break;
       if (stepper.step(x) != StepStatus::ok || watch.see(before, x.t - before)) return {x.t, true};
       if (backend_.motion().outside(x)) break;
       see(x);
@@ -87,11 +96,17 @@ class Approach {
   }
 
  private:
+  static double size_of(const RunState& x) {
+    double most = 0;
+    for (const double component : x.numbers) most = std::max(most, std::abs(component));
+    return most;
+  }
+
   const RunBackend& backend_;
   RunState start_;
   std::int64_t most_forces_;
   const KeepGoing& keep_going_;
-  double size_ = 0;
+  double size_ = 1;  ///< of the start, where that is small: what errors are relative to at first
 };
 
 }  // namespace
@@ -142,7 +157,8 @@ double singular_time(const RunBackend& backend, const Request& request, StepStat
   else if (!other.stands && one.stands && step == 0 && agree(one.t, now))
     known = now;
   if (!(known >= earliest && known <= latest)) return unknown;
-  return approach.sharpens(close, known) ? known : unknown;
+  if (!approach.sharpens(close, known)) return unknown;
+  return step == 0 && agree(known, now) ? std::max(known, now) : known;
 }
 
 }  // namespace least

@@ -109,6 +109,26 @@ TEST(AfterZero, ThePlainSquareRunsToInfinity) {
   }
 }
 
+// What is recorded up to the surface is part of the run: it ends there, whatever is recorded.
+TEST(AfterZero, NoSampleLiesBehindTheEnd) {
+  for_each_scheme([](const SchemeCard& scheme) {
+    Request request = star(scheme.id, 3);
+    runs::only_final(request);
+    const auto bare = go(request);
+    EXPECT_NEAR(bare.outcome.t, *bare.outcome.stop.singular_at, 1e-12) << scheme.id;
+    EXPECT_GE(bare.outcome.final[0], 0) << scheme.id;
+    EXPECT_NEAR(bare.outcome.final[0], 0, 1e-12) << scheme.id;
+    for (const auto mode : {Record::Mode::samples, Record::Mode::curve}) {
+      request.record = {mode, 41, {}};
+      const auto result = go(request);
+      EXPECT_GT(result.rows.back()[0], 6) << scheme.id;
+      EXPECT_LE(result.rows.back()[0], result.outcome.stop.t) << scheme.id;
+      EXPECT_EQ(result.outcome.stop.t, bare.outcome.stop.t) << scheme.id;
+      EXPECT_EQ(result.outcome.final, bare.outcome.final) << scheme.id;
+    }
+  });
+}
+
 TEST(AfterZero, IsReachedWithinTheLastShorterStepToo) {
   Request request = ask(star("contact_splitting", 1), {"zeros"});
   request.end = 3.1419;  // the surface lies between the last grid point, 3.14, and the end
@@ -116,7 +136,7 @@ TEST(AfterZero, IsReachedWithinTheLastShorterStepToo) {
   EXPECT_EQ(result.outcome.stop.reason, ReturnCode::left_domain);
   EXPECT_NEAR(result.outcome.stop.singular_at.value_or(0), pi, 1e-4);
   EXPECT_EQ(result.outcome.stop.step, 314);
-  EXPECT_EQ(result.outcome.t, 3.14);
+  EXPECT_NEAR(result.outcome.t, pi, 1e-4);
 }
 
 // One step of the whole span, outside where samples lie and inside at its end: it was taken, taken back and taken again

@@ -48,6 +48,21 @@ TEST(SingularMotion, IsWarnedOfWhereAFallGoesThroughItsCentre) {
       }
 }
 
+// x = x₀/(1 − x₀t) ends at t = 1/x₀, however small it was when it began, and no run goes beyond.
+TEST(SingularMotion, OfWhatBeginsSmallIsKnown) {
+  const auto mechanics = mechanics_of(flow({"x"}, {}, {{"x", "x^2"}}));
+  for (const char* scheme : {"taylor", "dormand_prince_5", "fehlberg_78", "bulirsch_stoer"})
+    for (const double start : {1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-6}) {
+      const auto stop = runs::go(request_by(scheme, mechanics, std::vector{start}, 2 / start)).outcome.stop;
+      EXPECT_EQ(stop.reason, ReturnCode::singular) << scheme << ' ' << start;
+      ASSERT_TRUE(stop.singular_at) << scheme << ' ' << start;
+      EXPECT_NEAR(*stop.singular_at * start, 1, 1e-5) << scheme << ' ' << start;
+      if (scheme == std::string_view("taylor")) {
+        EXPECT_GE(*stop.singular_at, stop.t) << start;
+      }
+    }
+}
+
 // Close to a removable singularity one of the two series that a reference is made of may come to a place where it has
 // no more digits, and which of them is faster is chance.
 TEST(RemovableSingularity, HasOneReferenceWhoeverIsFaster) {

@@ -44,34 +44,6 @@ Traced Traced::made(LaneCode code, const Traced& a, const Traced& b, const Trace
 
 namespace {
 bool is_number(const Traced& x, double value) { return x.is_constant() && x.constant() == value; }
-
-/// Whether a value is a function that may be none, as a logarithm, and constants beside it: a choice by such a value
-/// adds 0 times it to what it takes (core/tape/symbol.hpp), which is not to be left out. What states are made of is not
-/// looked at: steps have to be written down alike.
-bool may_be_none(const Trace& trace, Trace::Place place) {
-  const auto node_at = [&](Trace::Place i) { return trace.nodes()[static_cast<std::size_t>(i)]; };
-  const auto is_constant = [&](Trace::Place i) { return i >= 0 && node_at(i).kind == Trace::Kind::constant; };
-  for (;;) {
-    const Trace::Node node = node_at(place);
-    if (node.kind != Trace::Kind::operation) return false;
-    switch (node.code) {
-      case LaneCode::log:
-      case LaneCode::sqrt:
-      case LaneCode::asin:
-      case LaneCode::acos:
-      case LaneCode::raise:
-        return true;
-      case LaneCode::add:
-      case LaneCode::subtract:
-      case LaneCode::multiply:
-        if (is_constant(node.a) == is_constant(node.b)) return false;
-        place = is_constant(node.a) ? node.b : node.a;
-        break;
-      default:
-        return false;
-    }
-  }
-}
 }  // namespace
 
 Traced operator+(const Traced& a, const Traced& b) {
@@ -87,8 +59,7 @@ Traced operator-(const Traced& a, const Traced& b) {
 }
 Traced operator*(const Traced& a, const Traced& b) {
   if (a.is_constant() && b.is_constant()) return a.constant_ * b.constant_;
-  const bool a_is_0 = is_number(a, 0), b_is_0 = is_number(b, 0);
-  if ((a_is_0 && !may_be_none(*b.trace_, b.place_)) || (b_is_0 && !may_be_none(*a.trace_, a.place_))) return 0;
+  if (is_number(a, 0) || is_number(b, 0)) return 0;
   if (is_number(a, 1)) return b;
   if (is_number(b, 1)) return a;
   return Traced::made(LaneCode::multiply, a, b);
@@ -98,6 +69,10 @@ Traced operator/(const Traced& a, const Traced& b) {
   if (is_number(a, 0)) return 0;
   if (is_number(b, 1)) return a;
   return Traced::made(LaneCode::divide, a, b);
+}
+/// A choice by what may be no number adds 0 times it to what it takes (core/tape/symbol.hpp).
+Traced scaled(const Traced& x, double factor) {
+  return factor == 0 && !x.is_constant() ? Traced::made(LaneCode::multiply, x, factor) : x * factor;
 }
 
 // Of constants by the functions that lanes have.

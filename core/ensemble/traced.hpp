@@ -1,7 +1,8 @@
 // A number that writes down what is done to it: arithmetic with it leaves a list of operations in their order, nothing
 // of it changed but products with 0 and 1 and sums with 0, which are left out. So what is run from such a list has the
-// bits of what wrote it, but for the signs of zeros and for what 0 times an infinity is. A step of a scheme, taken with
-// these numbers in the place of state, time and step, leaves what lanes can run (core/ensemble/lane_program.hpp).
+// bits of what wrote it, but for the signs of zeros and for what 0 times an infinity is, unless a formula says it. A
+// step of a scheme, taken with these numbers in the place of state, time and step, leaves what lanes can run
+// (core/ensemble/lane_program.hpp).
 #pragma once
 
 #include <utility>
@@ -67,6 +68,7 @@ class Traced {
   friend Traced operator-(const Traced& a, const Traced& b);
   friend Traced operator*(const Traced& a, const Traced& b);
   friend Traced operator/(const Traced& a, const Traced& b);
+  friend Traced scaled(const Traced& x, double factor);
   Traced operator-() const { return Traced(-1) * *this; }
   Traced& operator+=(const Traced& x) { return *this = *this + x; }
 

@@ -77,6 +77,13 @@ std::pair<T, T> sincos(const T& x) {
   return {sin(x), cos(x)};
 }
 
+/// A number times one that a formula says. What leaves out products with 0 keeps this one: a formula that has 0 x says
+/// so because x may be no number.
+template <class T>
+T scaled(const T& x, double factor) {
+  return x * factor;
+}
+
 /// Branch-free choice. For a scalar the mask is bool; a number with lanes brings its own mask, select, any and all.
 template <class T>
 constexpr T select(bool mask, const T& yes, const T& no) {

@@ -157,9 +157,9 @@ class Growing {
     made.states.insert(made.states.begin(), std::move(x));
     made.t.resize(made.states.size());
     const variations::ParametricScene& equations = motion_.equations();
-    for (double& time : made.t) time *= equations.sign_of_time();
+    for (double& time : made.t) time = equations.sign_of_time() * time + 0.0;  // 0 for −0
     for (auto& state : made.states)
-      for (std::size_t a = 0; a < state.size(); ++a) state[a] *= equations.signs[a];
+      for (std::size_t a = 0; a < state.size(); ++a) state[a] = equations.signs[a] * state[a] + 0.0;
     return made;
   }
 

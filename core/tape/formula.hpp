@@ -70,6 +70,7 @@ class Formula {
     using least::exp;
     using least::log;
     using least::pow;
+    using least::scaled;
     using least::select;
     using least::sin;
     using least::sinh;
@@ -107,7 +108,7 @@ class Formula {
           r[s.out] = s.value - a;
           break;
         case Code::scale:
-          r[s.out] = a * s.value;
+          r[s.out] = scaled(a, s.value);
           break;
         case Code::over:
           r[s.out] = T(s.value) / a;

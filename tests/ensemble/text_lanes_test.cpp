@@ -312,9 +312,24 @@ TEST(TextLanes, EndEachForItself) {
   EXPECT_GT(lanes.ended[0], 0);
 }
 
+// What is no number behind an `and` whose first part is false, or behind an `or` whose first part is true, is not asked
+// for.
+TEST(TextLanes, GoOnWhereNoNumberIsAskedFor) {
+  for (const char* text : {"if(x > 0.1 and log(x) < 9 + x, x, 2*x)", "if(x < 0.1 or x*log(x) < 9, x, 2*x)"}) {
+    EnsemblePlan plan = plan_of(texts::of(typed_v, {"x"}, {}, text), "leapfrog", {0.5, 0}, 0.01, 300);
+    vary_starts(plan, 40);
+    const Harvest lone = alone(plan), lanes = in_lanes(plan, lane_units().front()).value();
+    EXPECT_EQ(lanes.ended[0], 40) << text;
+    EXPECT_EQ(lanes.ended, lone.ended) << text;
+    EXPECT_EQ(lanes.final, lone.final) << text;
+  }
+}
+
 // A choice by what is no number ends a member as it ends a run: x falls from 1/2 through 0.
 TEST(TextLanes, StopWhereAChoiceIsByNoNumber) {
-  for (const char* text : {"if(log(x) < 9, x, x^2)", "x*min(1, 9 - log(x))", "if(2*sqrt(x) < 9, x, x^2)"}) {
+  for (const char* text :
+       {"if(log(x) < 9, x, x^2)", "x*min(1, 9 - log(x))", "if(2*sqrt(x) < 9, x, x^2)", "if(log(x) < 9 + x, x, x^2)",
+        "if(x < 9 and x*log(x) < 9, x, x^2)", "if(x > 9 or log(x) < 9 + x, x, x^2)"}) {
     for (const char* scheme : {"leapfrog", "runge_kutta_4"}) {
       EnsemblePlan plan = plan_of(texts::of(typed_v, {"x"}, {}, text), scheme, {0.5, 0}, 0.01, 300);
       vary_starts(plan, 40);

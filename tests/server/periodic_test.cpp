@@ -219,6 +219,7 @@ TEST_F(Periodic, OfStronglyAttractingCyclesTheProductTells) {
     const Json& stable = made["manifolds"]["stable"];
     EXPECT_NEAR(stable["multiplier"].get<double>() / truth, 1, 1e-5) << stable["multiplier"];
     EXPECT_EQ(stable["trajectories"].size(), 4U);
+    EXPECT_FALSE(std::signbit(stable["trajectories"][0]["t"][0].get<double>())) << "0, not −0";
   }
   const Json stiff = orbit({{"problem", {{"id", "van_der_pol"}, {"epsilon", 100}}},
                             {"period", 162.8},

@@ -24,6 +24,11 @@ EnergyLevel energy_on_a_metric(const text::SizedScene& scene, const double* x, d
   return level;
 }
 
+EnergyLevel beside_constant(const text::SizedScene& scene, EnergyLevel level) {
+  level.value -= scene.constant_potential;
+  return level;
+}
+
 }  // namespace
 
 EnergyLevel energy_of_start(const text::SizedScene& scene, const double* x) {
@@ -59,11 +64,11 @@ EnergyLevel energy_of_first_step(const text::SizedScene& scene, const double* x,
   PlaceMatrix matrix(scene);
   if (PlaceSolver(scene).solve(guess.data(), beta, none, place, slope, work) != StepStatus::ok ||
       !matrix.factor(place.data(), &beta, &none, PlaceMatrix::Curvature::of_each, work))
-    return energy_of_start(scene, x);
+    return beside_constant(scene, energy_of_start(scene, x));
   EnergyLevel level{0, std::vector<double>(x, x + 2 * n)};
   for (std::size_t i = 0; i < n; ++i) p[i] = x[n + i] - half * slope[i];
   scene.velocity(p.data(), v.data());
-  scene.potential.evaluate(place.data(), 0.0, &level.value);
+  scene.potential_beside_constant().evaluate(place.data(), 0.0, &level.value);
   for (std::size_t i = 0; i < n; ++i) level.value += 0.5 * p[i] * v[i];
   double* const w = &level.slopes[n];
   matrix.solve(w);

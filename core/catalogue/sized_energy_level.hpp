@@ -15,7 +15,8 @@ struct EnergyLevel {
 };
 /// H at the start.
 EnergyLevel energy_of_start(const text::SizedScene& scene, const double* x);
-/// The discrete energy of a first step of this length of the variational midpoint rule; without one H.
+/// The discrete energy of a first step of this length of the variational midpoint rule; without one H. Both without the
+/// numbers among the terms of V.
 EnergyLevel energy_of_first_step(const text::SizedScene& scene, const double* x, double step);
 
 }  // namespace least

@@ -112,7 +112,7 @@ double SizedEnergyMomentum<T>::look() {
   }
   scene_->gradient.evaluate(along_.data(), 0.0, moved_.data());
   double potential = 0, twice = 0, power = 0;
-  scene_->potential.evaluate(place_.data(), 0.0, &potential);
+  scene_->potential_beside_constant().evaluate(place_.data(), 0.0, &potential);
   ++work_.forces;
   for (std::size_t i = 0; i < n; ++i) {
     const double lowered = matrix_->times_mass(i, velocity_.data()), slope = moved_[i].value;

@@ -10,6 +10,36 @@
 #include "core/text/lift.hpp"
 
 namespace least::text {
+namespace {
+
+/// A sum without the numbers among its terms, and what these add up to.
+std::pair<Symbol, double> without_numbers(tape::Tape& tape, const Symbol& sum) {
+  struct Term {
+    Symbol value;
+    bool negative;
+  };
+  std::vector<Term> open{{sum, false}}, terms;
+  double numbers = 0;
+  while (!open.empty()) {
+    const auto [value, negative] = open.back();
+    open.pop_back();
+    const tape::Node node = value.is_constant() ? tape::Node{} : tape[value.place()];
+    if (value.is_constant() || node.op == tape::Op::constant) {
+      numbers += (negative ? -1 : 1) * (value.is_constant() ? value.constant() : node.value);
+    } else if (node.op == tape::Op::add || node.op == tape::Op::subtract) {
+      open.push_back({Symbol::at(tape, node.b), negative != (node.op == tape::Op::subtract)});
+      open.push_back({Symbol::at(tape, node.a), negative});
+    } else {
+      terms.push_back({value, negative});
+    }
+  }
+  if (numbers == 0) return {sum, 0};
+  Symbol rest = 0;
+  for (const auto& [value, negative] : terms) rest = negative ? rest - value : rest + value;
+  return {rest, numbers};
+}
+
+}  // namespace
 
 namespace {
 
@@ -110,6 +140,11 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
     if (is_quadratic()) hamiltonian = of_state({Symbol(0.5) * twice_kinetic + v + of_s, by_s});
     if (is_quadratic() && n <= most_full) lagrangian = formula(slopes_of_lagrangian(v, of_s));
     potential = formula({v});
+    if (kind == FormKind::separable && !forced) {
+      const auto [varying, constant] = without_numbers(equations, v);
+      constant_potential = constant;
+      if (constant != 0) varying_potential = formula({varying});
+    }
     gradient = formula(slopes);
     if (n <= tape::SparseJacobian::few) {
       std::vector<Symbol> both{v};
@@ -163,8 +198,8 @@ tape::Formula SizedScene::formula_of(const std::vector<Symbol>& all) {
 std::size_t SizedScene::bytes() const {
   constexpr std::size_t of_tape = 48, of_formula = 40, copies_of_terms = 2;
   std::size_t steps = 0;
-  for (const tape::Formula* made : {&potential, &gradient, &damping, &potential_and_gradient, &lagrangian, &lowered,
-                                    &invariants, &forces.values, &forces.jacobian})
+  for (const tape::Formula* made : {&potential, &varying_potential, &gradient, &damping, &potential_and_gradient,
+                                    &lagrangian, &lowered, &invariants, &forces.values, &forces.jacobian})
     steps += made->operations();
   for (const StateFormula* made : {&rate, &motion_, &hamiltonian, &raised}) steps += made->operations();
   if (equations.has_terms()) return (1 + copies_of_terms) * equations.bytes();

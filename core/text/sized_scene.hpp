@@ -75,6 +75,8 @@ class SizedScene {
   std::vector<tape::Index> rates;  ///< their places; behind them v̇ of velocities that are found from momenta
   StateFormula rate;               ///< ẋ of the components
   tape::Formula potential, gradient, damping;
+  double constant_potential = 0;         ///< the sum of the numbers among the terms of V, of a conservative scene
+  tape::Formula varying_potential;       ///< V without them, where there are any
   tape::Formula potential_and_gradient;  ///< V, ∇V of no more than tape::SparseJacobian::few coordinates; else none
   StateFormula hamiltonian;              ///< where the motion reads s, and of general mechanics: H, and H_s
   /// Of (q, v, s) L, L_q, L_v, L_s where steps are made of them: of a general Lagrangian, of one whose metric depends
@@ -105,6 +107,10 @@ class SizedScene {
   };
   Forces forces;
 
+  /// V − constant_potential: what is large and the same everywhere takes no digits from differences of V.
+  const tape::Formula& potential_beside_constant() const {
+    return varying_potential.outputs() > 0 ? varying_potential : potential;
+  }
   /// ẋ of the components that move.
   const StateFormula& motion() const { return components > moving ? motion_ : rate; }
 

@@ -63,6 +63,23 @@ TEST(SizedEnergyMomentum, HasOrderTwo) {
   }
 }
 
+// A constant beside V is nothing to the motion, nor to the lengths of steps, which follow from differences of V.
+TEST(SizedEnergyMomentum, DoesNotFeelAConstant) {
+  for (const char* rest : {"x^2/2 + x^4/4", "x^2/2 + (y - x)^4/4 + y^2"}) {
+    const bool two = std::string_view(rest).find('y') != std::string_view::npos;
+    const auto final = [&](const std::string& text) {
+      const auto variables = two ? std::vector<std::string>{"x", "y"} : std::vector<std::string>{"x"};
+      const auto start = two ? std::vector{1.0, 0.3, 0.2, 0.7} : std::vector{1.0, 0.2};
+      return final_of(stepped("energy_momentum", mechanics_of(of(Definition::Kind::potential, variables, {}, text)),
+                              start, 20, 0.02));
+    };
+    const auto plain = final(rest);
+    for (const char* constant : {" + 1e5", " - 3e4 - 7e4"})
+      EXPECT_LT(distance(final(rest + std::string(constant)), plain), 1e-12) << rest << constant;
+    EXPECT_LT(distance(final("1e5 - (" + std::string("-1)*(") + rest + ")"), plain), 1e-12) << rest;
+  }
+}
+
 TEST(SizedEnergyMomentum, KeepsDiscreteEnergyAndMomenta) {
   for (const int n : {9, 50})
     for (const bool coupled : {false, true}) {

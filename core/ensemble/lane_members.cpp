@@ -244,13 +244,15 @@ class LaneBlock final : public LaneHost {
   void run_group(const LaneUnit& unit, MemberGroup& group) {
     group.compile_values();
     const std::size_t count = group.members().size(), rows = card_.variables.size();
+    std::size_t moving = rows;  // an action that the motion does not need stands behind all others
+    while (moving > 0 && card_.variables[moving - 1].optional) --moving;
     std::vector<double> start(rows * count), final(rows * count), state(rows);
     std::vector<std::uint8_t> ended(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
     for (std::size_t i = 0; i < count && !gone(); ++i) {
       bool near = true;
       for (const std::size_t k : group.rows()) {  // others are no part of the state, and may be no numbers
         state[k] = start[k * count + i] = start_[k * ended_.size() + group.members()[i]];
-        near = near && std::abs(state[k]) < largest_component;
+        near = near && (k >= moving || std::abs(state[k]) < largest_component);
       }
       const ReturnCode objection = group.objection_to_start(i, task_, state.data(), near);
       if (objection != ReturnCode::completed) ended[i] = static_cast<std::uint8_t>(objection);
@@ -265,6 +267,7 @@ class LaneBlock final : public LaneHost {
     task_.final = final.data();
     task_.ended = ended.data();
     task_.variables = rows;
+    task_.moving = moving;
     group_ = &group;
     unit.programs().run(task_);
     take_final();

@@ -250,7 +250,7 @@ class ProgramSteps final : public GroupSteps {
         shared_(ProgramRun<Lanes, packs>::shared_count(program_)),
         run_(program_, registers_.data(), shared_.data()),
         x_(x, x + packs * task.variables) {
-    show_states(x_.data(), task.variables, task.variables);
+    show_states(x_.data(), task.variables, task.moving, task.variables);
     for (std::size_t k = 0; k < program_.own; ++k)
       for (std::size_t j = 0; j < packs; ++j)
         for (std::size_t lane = 0; lane < lane_count; ++lane)
@@ -298,7 +298,7 @@ class ProgramSteps final : public GroupSteps {
       const Lanes code(static_cast<double>(why));
       return (failure >= code) & (failure <= code);
     };
-    const LaneMask good = finite(state(j), size());
+    const LaneMask good = finite(state(j), moving());
     LaneFaults faults;
     faults.add(is(StepFailure::singular), singular);
     faults.add(is(StepFailure::left_domain) & good, left_domain);

@@ -114,29 +114,31 @@ class GroupSteps {
   /// What speaks against beginning with the pack's states.
   virtual LaneFaults at_start(const LaneTask&, std::size_t j) {
     LaneFaults faults;
-    faults.add(!finite(state(j), size_), ReturnCode::not_finite);
+    faults.add(!finite(state(j), moving_), ReturnCode::not_finite);
     return faults;
   }
   /// What went wrong with the pack. Of a single step exactly; of more, what may have gone wrong.
   virtual LaneFaults after(std::size_t j, const StepObservations& seen, [[maybe_unused]] double step, bool) {
     LaneFaults faults;
     faults.add(!seen.well[j], ReturnCode::singular);
-    faults.add(!finite(state(j), size_), ReturnCode::not_finite);
+    faults.add(!finite(state(j), moving_), ReturnCode::not_finite);
     return faults;
   }
 
  protected:
   std::size_t used() const { return used_; }
-  /// States of so many components, the next one so many Lanes behind.
-  void show_states(Lanes* first, std::size_t size, std::size_t stride) {
+  std::size_t moving() const { return moving_; }
+  /// States of so many components, of which the motion needs the first ones; the next state so many Lanes behind.
+  void show_states(Lanes* first, std::size_t size, std::size_t moving, std::size_t stride) {
     states_ = first;
     size_ = size;
+    moving_ = moving;
     stride_ = stride;
   }
 
  private:
   Lanes* states_ = nullptr;
-  std::size_t size_ = 0, stride_ = 0, used_ = packs;
+  std::size_t size_ = 0, moving_ = 0, stride_ = 0, used_ = packs;
 };
 
 /// The state of a pack.
@@ -239,7 +241,7 @@ class BoundGroup final : public ProblemSteps<P, X> {
       : ProblemSteps<P, X>(problem),
         slots_(bind(scheme, x, t, std::make_index_sequence<packs>{})),
         kept_{kept(std::make_index_sequence<packs>{})} {
-    this->show_states(slots_[0].x, X::size, sizeof(Slot) / sizeof(Lanes));
+    this->show_states(slots_[0].x, X::size, X::size, sizeof(Slot) / sizeof(Lanes));
   }
 
   [[gnu::noinline, gnu::flatten]] void advance(double t, double start, double step, std::int64_t n, std::int64_t count,

@@ -60,6 +60,7 @@ struct LaneTask {
   std::int64_t taken = 0;         ///< steps of all members
   std::int64_t forces = 0;        ///< force evaluations of all members
   std::size_t variables = 0;      ///< rows of `final` that mean something; of a program given, as the card has them
+  std::size_t moving = 0;         ///< of a program given: those of them that the motion needs, the first ones
 };
 
 /// Where a program is evaluated: t, h, the variables of the card, and the constants of one's own.

@@ -111,10 +111,11 @@ class Integrator {
 double exit_time(const ProblemTable& problem, const Integrator& integrator, const IntegrationState& state,
                  double outside_at);
 
-/// Whether the components of a state are numbers of which an energy can be said.
+/// Whether what the motion needs of a state are numbers of which an energy can be said. What is carried beside it, an
+/// action or the work of forces, has no say.
 inline bool is_finite_state(const ProblemTraits& traits, StateView x) {
   bool good = std::isfinite(x.t);
-  for (std::size_t i = 0; i < traits.components; ++i) good = good && std::abs(x[i]) < largest_component;
+  for (std::size_t i = 0; i < traits.moving; ++i) good = good && std::abs(x[i]) < largest_component;
   return good;
 }
 

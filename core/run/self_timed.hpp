@@ -246,7 +246,7 @@ class SelfTimedIntegrator final : public Integrator {
   BlockResult judge(const X& y, double h, double t) const {
     constexpr double largest_square = largest_component * largest_component;
     double size = 0;
-    for (std::size_t i = 0; i < table_.traits.components; ++i) size += value_of(y[i]) * value_of(y[i]);
+    for (std::size_t i = 0; i < table_.traits.moving; ++i) size += value_of(y[i]) * value_of(y[i]);
     if (!(size < largest_square) || !(h > 0) || !std::isfinite(t)) return {BlockEnd::not_finite};
     return outside(y) ? BlockResult{BlockEnd::left_domain} : BlockResult{};
   }

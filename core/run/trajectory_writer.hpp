@@ -16,7 +16,8 @@
 
 namespace least {
 
-/// The variables of the card as an answer shows them: unknown is what the motion does not need and nobody asks for.
+/// The variables of the card as an answer shows them: unknown is what the motion does not need and nobody asks for, or
+/// what of it has outgrown all numbers.
 inline std::vector<double> shown_variables(const Request& request, const ProblemTraits& traits, StateView x) {
   const auto& cards = request.scene->card().variables;
   std::vector<double> all;
@@ -24,7 +25,8 @@ inline std::vector<double> shown_variables(const Request& request, const Problem
   for (std::size_t i = 0; i < cards.size(); ++i) {
     const bool asked = request.measures.reads_variable(i) || request.watched.reads_variable(i) ||
                        std::ranges::find(request.columns, i + 1) != request.columns.end();
-    all.push_back(asked || !cards[i].optional ? variable(traits, x, i) : unknown);
+    const double value = asked || !cards[i].optional ? variable(traits, x, i) : unknown;
+    all.push_back(cards[i].optional && !std::isfinite(value) ? unknown : value);
   }
   return all;
 }

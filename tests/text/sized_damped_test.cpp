@@ -214,5 +214,31 @@ TEST(SizedDamped, TheyAreOfferedWhereThereIsDamping) {
   }
 }
 
+/// q̈ = −q − q̇/10 does not feel a constant beside V, of which s = −10 V (1 − e^{−t/10}) is soon more than 1e75.
+TEST(CarriedAction, HasNoSayInTheMotion) {
+  constexpr auto V = Definition::Kind::potential;
+  for (const int n : {1, 12}) {
+    text::TypedScene typed;
+    typed.scene = texts::damped(of(V, {"q[n]"}, {{"n", double(n)}}, "sum(i=1..n, q[i]^2/2) + 1e76"), "0.1");
+    const auto mechanics = made(typed);
+    for (const std::size_t index : mechanics->card().schemes) {
+      const std::string& scheme = schemes()[index].id;
+      Request request = request_by(scheme, mechanics, std::vector<double>(std::size_t(n), 0.5), 3);
+      request.limits.steps = 100'000;
+      const auto alone = runs::go(request).outcome;
+      runs::show_all(request);
+      const auto beside = runs::go(request).outcome;
+      const std::size_t s = alone.final.size() - 1;
+      ASSERT_EQ(beside.stop.reason, alone.stop.reason) << scheme << ' ' << n << ' ' << beside.stop.detail;
+      EXPECT_EQ(std::vector(beside.final.begin(), beside.final.end() - 1),
+                std::vector(alone.final.begin(), alone.final.end() - 1))
+          << scheme << ' ' << n;
+      if (alone.stop.reason == ReturnCode::completed) {
+        EXPECT_LT(beside.final[s], -1e76) << scheme << ' ' << n;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sized_damped

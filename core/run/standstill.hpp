@@ -55,9 +55,8 @@ bool goes_on(const RunBackend& backend, RunState x, double duration);
 /// as two control runs say that come to a standstill together; of steps of a clock of their own the run may be one of
 /// the two. `step`: of a run of equal steps, else 0. Unknown where it is not known to 1e-4 of the time until then, or
 /// does not lie within a few steps, or a tenth of the way, of where the run stopped: then it stopped for another
-/// reason. Not before the last state of
-/// such a run, where it is as exact as that. Not asked where it was an equation of the step
-/// that had no solution.
+/// reason. Not before the last state of a run of a clock of its own, where that is as exact as what is known. Not asked
+/// where it was an equation of the step that had no solution.
 double singular_time(const RunBackend& backend, const Request& request, StepStatus status, double now, double step,
                      std::int64_t forces, const KeepGoing& keep_going);
 

@@ -281,12 +281,13 @@ double Expansion::series_step() const {
 /// each coefficient tells R: where many digits of it are 0, formulas are 0/0 there, and the motion goes on.
 double Expansion::until_pole(double h) const {
   constexpr double none = 1e-28;
-  constexpr int looked_at = 3;
+  constexpr int last_orders = 3;
   for (const Index pole : series_.program().poles) {
     const double ahead = -series_.coefficient(pole, 0) / series_.coefficient(pole, 1);
     if (!(ahead > 0 && 0.5 * ahead < h)) continue;
-    double most = close_ && used_ > looked_at ? 0 : 1;
-    for (int k = used_; k + looked_at > used_ && k > 0; --k) most = std::max(most, k * largest(k) * std::pow(ahead, k));
+    double most = close_ && used_ > last_orders ? 0 : 1;
+    for (int k = used_; k + last_orders > used_ && k > 0; --k)
+      most = std::max(most, k * largest(k) * std::pow(ahead, k));
     if (!(most <= none * std::max(1.0, largest(0)))) h = 0.5 * ahead;
   }
   return h;

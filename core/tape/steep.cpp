@@ -32,7 +32,7 @@ Scratch& scratch(std::size_t arguments, std::size_t components) {
 
 /// The steps that the motion needs: those that are linear in time, then the others.
 template <class Visit>
-void each_step(const Program& program, Visit&& visit) {
+void each_motion_step(const Program& program, Visit&& visit) {
   for (const Step& step : program.linear) visit(step);
   for (std::size_t i = 0; i < program.motion_steps; ++i) visit(program.steps[i]);
 }
@@ -72,7 +72,7 @@ std::vector<SteepArgument> steep_arguments(const Program& program) {
   const auto add = [&](const SteepArgument& steep) {
     if (std::ranges::find(all, steep) == all.end()) all.push_back(steep);
   };
-  each_step(program, [&](const Step& step) {
+  each_motion_step(program, [&](const Step& step) {
     if (const auto kind = steepness(step.function))
       add({*kind, step.a, step.p});
     else if ((step.rule == Rule::power || step.rule == Rule::linear_power) && std::abs(step.p) >= high_power)
@@ -102,7 +102,7 @@ bool may_conceal(const Program& program) {
   std::vector<bool> offset(degrees.size(), false);  // a variable alone, or a sum with a constant
   for (std::size_t i = 0; i < program.variables; ++i) offset[at(Program::first_variable) + i] = true;
   bool conceals = false;
-  each_step(program, [&](const Step& step) {
+  each_motion_step(program, [&](const Step& step) {
     offset[at(step.out)] = step.rule == Rule::sum && step.c != 0;
     const double a = step.a == none ? 0 : degrees[at(step.a)];
     double degree = std::max(a, 1.0);
@@ -145,7 +145,7 @@ bool may_conceal(const Program& program) {
 
 std::vector<Index> branch_values(const Program& program) {
   std::vector<Index> all;
-  each_step(program, [&](const Step& step) {
+  each_motion_step(program, [&](const Step& step) {
     if (step.rule == Rule::root || (step.rule == Rule::power && step.p > 0 && step.p < 1)) all.push_back(step.a);
   });
   return all;

@@ -153,7 +153,8 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
     curve.expected_order = declared_order(card, scheme);
     curve.setting = ResolutionParameter(card).name;
   }
-  const ErrorStudy subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
+  ErrorStudy subject(plan.scene, plan.at_end, plan.budget_seconds, cancelled);
+  subject.end_with(deadline);
   study.end = subject.end();
   study.growth = subject.conditioning().growth_in(plan.scene.norm, plan.at_end);
   study.chaotic = subject.conditioning().chaotic(plan.scene.norm);

@@ -32,6 +32,21 @@ class ExplosiveScenes : public testing::Test {
     return left_out(reply);
   }
 
+  /// The answer to a request that costs the processor less than `most` seconds, at least one time of three: a machine
+  /// that shares its cores takes longer now and then, and what computes for too long does so each time.
+  Reply answer_within(double most, const std::string& path, const std::string& body) {
+    Reply reply;
+    double least = most;
+    for (int attempt = 0; attempt < 3 && !(least < most); ++attempt) {
+      const double before = service_.processor_seconds();
+      reply = ask(port(), post(path, body));
+      least = std::min(least, service_.processor_seconds() - before);
+      EXPECT_TRUE(answered(reply)) << reply.status << ' ' << path << ' ' << reply.body.substr(0, 300);
+    }
+    EXPECT_LT(least, most) << path << ' ' << body.substr(0, 300);
+    return reply;
+  }
+
   Process service_{{"serve", "--port", "0", "--threads", "2", "--grace", "0.2", "--log-level", "off"}};
   int port_ = port_in(service_.line());
 };
@@ -50,11 +65,8 @@ TEST_F(ExplosiveScenes, KeepTheLimitOfTheirTime) {
     const auto all = questions(scene, "0.1");
     for (std::size_t which = 0; which < all.size(); ++which) {
       if (!thorough() && which != turn % all.size() && which != (turn + 3) % all.size() && which != 7) continue;
-      const double before = service_.processor_seconds();
-      const Reply reply = ask(port(), post(all[which].path, all[which].body));
-      EXPECT_TRUE(answered(reply)) << reply.status << ' ' << scene.name << ' ' << all[which].path;
-      EXPECT_LT(service_.processor_seconds() - before, most)
-          << scene.name << ' ' << all[which].path << ' ' << all[which].body.substr(0, 200);
+      SCOPED_TRACE(scene.name);
+      answer_within(most, all[which].path, all[which].body);
     }
     ++turn;
   }
@@ -84,10 +96,8 @@ TEST_F(ExplosiveScenes, OfManyVariablesKeepIt) {
       });
       if ((first + i++) % 4 != 0 && !is_worst && !thorough()) continue;
       const double most = question.path == "/v1/ensemble" ? 1.2 : 0.8;  // on two threads
-      const double before = service_.processor_seconds();
-      const Reply reply = ask(port(), post(question.path, question.body));
-      EXPECT_TRUE(answered(reply)) << reply.status << ' ' << scene.name << ' ' << question.path;
-      EXPECT_LT(service_.processor_seconds() - before, most) << scene.name << ' ' << question.path << question.body;
+      SCOPED_TRACE(scene.name);
+      answer_within(most, question.path, question.body);
     }
   }
 #endif
@@ -102,11 +112,9 @@ TEST_F(ExplosiveScenes, KeepItWhereAThousandFormulasChange) {
       {"q[i]":"if(q[i]<q[mod(i,1024)+1],sin(t+i),-cos(t*i))"}},"scheme":"taylor","until":{"t":1},"record":{"every":0},
       "limits":{"seconds":0.1})~";
   for (const char* event : {"", R"~(,"events":[{"name":"turn","expression":"q[1]-.001","set":{"q[1]":"-q[1]"}}])~"}) {
-    const double before = service_.processor_seconds();
-    const Reply reply = ask(port(), post("/v1/simulate", begin + event + "}"));
+    const Reply reply = answer_within(0.5, "/v1/simulate", begin + event + "}");
     EXPECT_EQ(reply.status, 200) << reply.body.substr(0, 300);
     EXPECT_NE(reply.body.find("\"reason\":\"deadline\""), std::string::npos) << reply.body.substr(0, 300);
-    EXPECT_LT(service_.processor_seconds() - before, 0.5) << event;
   }
 #endif
 }
@@ -119,14 +127,13 @@ TEST_F(ExplosiveScenes, KeepItWithinAStep) {
   for (const Explosive& scene : wide_scenes()) {
     if (scene.name != "all coordinates multiplied" && scene.name != "masses that all coordinates move") continue;
     for (const char* scheme : {"variational_midpoint", "galerkin_4"}) {
-      const double before = service_.processor_seconds();
-      const Reply reply = ask(port(), post("/v1/simulate", "{" + scene.problem + R"(,"scheme":")" + scheme +
-                                                               R"(","until":{"t":1},"limits":{"seconds":0.1}})"));
-      EXPECT_TRUE(answered(reply)) << reply.status << reply.body.substr(0, 300);
+      SCOPED_TRACE(scene.name);
+      const Reply reply = answer_within(
+          0.5, "/v1/simulate",
+          "{" + scene.problem + R"(,"scheme":")" + scheme + R"(","until":{"t":1},"limits":{"seconds":0.1}})");
       const bool large = scene.name == "all coordinates multiplied" && reply.status == 200;
       EXPECT_TRUE(!large || reply.body.find("\"reason\":\"deadline\"") != std::string::npos)
           << reply.body.substr(0, 300);
-      EXPECT_LT(service_.processor_seconds() - before, 0.5) << scene.name << ' ' << scheme;
     }
   }
 #endif
@@ -142,10 +149,8 @@ TEST_F(ExplosiveScenes, KeepItBesideTheStructureOfTheirSteps) {
     const std::size_t one = turn++ % all.size();
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (!thorough() && i != one) continue;
-      const double before = service_.processor_seconds();
-      const Reply reply = ask(port(), post(all[i].path, all[i].body));
-      EXPECT_TRUE(answered(reply)) << reply.status << ' ' << scene.name;
-      EXPECT_LT(service_.processor_seconds() - before, 0.8) << scene.name << ' ' << all[i].body.substr(0, 200);
+      SCOPED_TRACE(scene.name);
+      answer_within(0.8, all[i].path, all[i].body);
     }
   }
 #endif
@@ -203,15 +208,19 @@ TEST_F(ExplosiveScenes, AreGivenUpSoonAfterTheirClientLeft) {
     const bool wide = scenes[i].problem.find("\"a\"") == std::string::npos;
     const auto all = questions(scenes[i], "30", wide ? "q[1]" : "a");
     const Question& question = all[i % all.size()];
-    Client leaves(port());
-    leaves.send(post(question.path, question.body));
-    ::usleep(50'000);
-    leaves.hang_up();
-    const double before = service_.processor_seconds();
-    const auto from = Clock::now();
-    while (!is_idle() && Clock::now() - from < std::chrono::seconds(20)) ::usleep(5'000);
-    EXPECT_TRUE(is_idle()) << scenes[i].name << ' ' << question.path;
-    EXPECT_LT(service_.processor_seconds() - before, most) << scenes[i].name << ' ' << question.path << question.body;
+    double least = most;
+    for (int attempt = 0; attempt < 3 && !(least < most); ++attempt) {
+      Client leaves(port());
+      leaves.send(post(question.path, question.body));
+      ::usleep(50'000);
+      leaves.hang_up();
+      const double before = service_.processor_seconds();
+      const auto from = Clock::now();
+      while (!is_idle() && Clock::now() - from < std::chrono::seconds(20)) ::usleep(5'000);
+      EXPECT_TRUE(is_idle()) << scenes[i].name << ' ' << question.path;
+      least = std::min(least, service_.processor_seconds() - before);
+    }
+    EXPECT_LT(least, most) << scenes[i].name << ' ' << question.path << question.body;
   }
 }
 

@@ -186,10 +186,9 @@ double ErrorStudy::longest(const SchemeConfig& choice, const ResolutionParameter
   }
   double value = dial.value(choice);
   for (int k = 0; k < 40; ++k, value /= 4) {  // where the first step fails, a shorter one may not
-    constexpr double least_wait = 0.05;       // seconds: the first step is tried even where no time is left to choose
     const double left = deadline_ ? deadline_->left() : 1;
-    if ((k > 0 && !(left > 0)) || cancelled_.load(std::memory_order_relaxed)) break;
-    Request one = request(dial.at(choice, value), std::clamp(left, least_wait, 1.0), 1);
+    if (!(left > 0) || cancelled_.load(std::memory_order_relaxed)) break;
+    Request one = request(dial.at(choice, value), std::min(left, 1.0), 1);
     one.until_steps = true;
     one.steps = 1;
     one.probe = true;

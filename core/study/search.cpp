@@ -22,8 +22,12 @@ Search::Search(const ErrorStudy& subject, SchemeConfig choice, double accuracy)
       choice_(std::move(choice)),
       dial_(subject.card(choice_)),
       accuracy_(accuracy),
-      longest_(subject.longest(choice_, dial_)),
       measured_(!(accuracy > 0)) {}
+
+double Search::longest() const {
+  if (!longest_) longest_ = subject_.longest(choice_, dial_);
+  return *longest_;
+}
 
 double Search::seen_order(double most) const {
   if (!before_ || !bad_ || !(bad_->trial.error < before_->trial.error)) return 0;
@@ -31,7 +35,7 @@ double Search::seen_order(double most) const {
 }
 
 double Search::least_cost() const {
-  const double coarsest = bad_ ? bad_->value : longest_;
+  const double coarsest = bad_ ? bad_->value : longest();
   const double steps = dial_.name == "step" ? (subject_.end() - subject_.start()) / coarsest : 0;
   return bad_ ? std::max(steps, static_cast<double>(bad_->trial.forces)) : steps;
 }
@@ -54,11 +58,11 @@ bool Search::out_of_reach(double error, double most) const {
 double Search::next() const {
   constexpr double aim = 0.9;
   if (!bad_) {
-    if (!good_) return longest_;
+    if (!good_) return longest();
     // The first run was accurate enough: back to where errors in proportion to the dial predict the accuracy.
     constexpr double least = 2, most = 100;
     const double ahead = good_->trial.error > 0 ? aim * accuracy_ / good_->trial.error : most;
-    return std::min(good_->value * std::clamp(ahead, least, most), longest_);
+    return std::min(good_->value * std::clamp(ahead, least, most), longest());
   }
   const double coarsest = bad_->value;
   if (good_) {
@@ -129,13 +133,13 @@ void Search::settle(const Probe& probe) {
   }
   if (good_) {
     const double near = dial_.adaptive() ? 1.4 : 1.05;  // the cost follows a low power of a tolerance
-    over_ = !(good_->value < longest_) || (bad_ && bad_->value < near * good_->value) ||
+    over_ = !(good_->value < longest()) || (bad_ && bad_->value < near * good_->value) ||
             good_->trial.error > accuracy_ / 1.2;
     return;
   }
   too_dear_ = trial.status == ReturnCode::step_limit || 1.5 * least_cost() > double(most_forces);
   over_ =
-      stalled() || too_dear_ || trial.error < subject_.floor() || next() < std::max(dial_.range.low, 1e-12 * longest_);
+      stalled() || too_dear_ || trial.error < subject_.floor() || next() < std::max(dial_.range.low, 1e-12 * longest());
 }
 
 }  // namespace least

@@ -58,6 +58,7 @@ class Search {
   static constexpr std::int64_t most_forces = 20'000'000;
 
  private:
+  double longest() const;
   double next() const;
   /// Whether a run at this value may say what those made so far do not.
   bool is_new(double value) const;
@@ -67,7 +68,8 @@ class Search {
   const ErrorStudy& subject_;
   SchemeConfig choice_;
   ResolutionParameter dial_;
-  double accuracy_, longest_;
+  double accuracy_;
+  mutable std::optional<double> longest_;     ///< known once it is asked for: it may take a step to find
   std::optional<Probe> good_, bad_, before_;  ///< before_: the bad one before the last
   Probe best_;
   bool measured_;  ///< best_ is known along the span

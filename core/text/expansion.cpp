@@ -5,6 +5,7 @@
 #include <iterator>
 #include <optional>
 #include <tuple>
+#include <unordered_map>
 
 #include "core/text/brackets.hpp"
 #include "core/text/large_scene_turn.hpp"
@@ -22,12 +23,13 @@ class Expander {
     if (++depth_ > most_nesting) return refuse(from, "is nested too deep", std::to_string(most_nesting) + " at most");
     std::size_t at = from;
     while (at < to) {
-      const char c = text[at];
-      if (is_letter(c)) {
+      if (is_letter(text[at])) {
         if (!word(text, at, to, indices)) return false;
         continue;
       }
-      const std::size_t end = is_digit(c) || c == '.' ? end_of_number(text, at, to) : at + 1;
+      std::size_t end = at;
+      while (end < to && !is_letter(text[end]))
+        end = is_digit(text[end]) || text[end] == '.' ? end_of_number(text, end, to) : end + 1;
       if (!append(text.substr(at, end - at), at, false)) return false;
       at = end;
     }
@@ -68,9 +70,24 @@ class Expander {
     return true;
   }
 
+  /// What stands at a place of a text in every term of a sum: a word that means the same in all of them, or an element
+  /// of a list, whose index begins at `index`.
+  struct WordOfTerms {
+    std::size_t end = 0, index = 0;
+    const std::pair<const std::string, std::int64_t>* list = nullptr;
+  };
+
   /// A word at `at`, which moves behind it and what belongs to it.
   bool word(std::string_view text, std::size_t& at, std::size_t to, Indices& indices) {
     const std::size_t from = at;
+    if (term_) {
+      if (const auto known = words_of_terms_.find(&text[at]); known != words_of_terms_.end()) {
+        const WordOfTerms& word = known->second;
+        at = word.end;
+        if (word.list) return element(*word.list, text, from, word.index, word.end - 1, indices);
+        return append(text.substr(from, at - from), from, false);
+      }
+    }
     const std::size_t end = end_of_word(text, at, to);
     const std::string_view name = text.substr(from, end - from);
     const std::size_t next = after_space(text, end, to);
@@ -93,9 +110,12 @@ class Expander {
     const auto known = all.begin() + static_cast<std::ptrdiff_t>(std::min(known_, all.size()));
     const auto defined = std::find_if(all.begin(), known, [&](const auto& one) { return one.name == name; });
     if (defined == known) {
-      if (!term_ || sign == '(' || is_common(name)) return append(name, from, false);
-      term_->append_name(name);
-      return true;
+      if (term_ && sign != '(' && !is_common(name)) {
+        term_->append_name(name);
+        return true;
+      }
+      if (term_) words_of_terms_[&text[from]] = {at};
+      return append(name, from, false);
     }
     Indices arguments;
     if (!defined->indices.empty()) {
@@ -128,9 +148,15 @@ class Expander {
       for (const auto& [known, count] : vocabulary_.lists) lists += (lists.empty() ? "" : ", ") + known;
       return refuse({position, std::string(name) + " is no list", lists, std::string(name)});
     }
+    if (term_) words_of_terms_[&text[position]] = {to + 1, from, &*list};
+    return element(*list, text, position, from, to, indices);
+  }
+  bool element(const std::pair<const std::string, std::int64_t>& list, std::string_view text, std::size_t position,
+               std::size_t from, std::size_t to, const Indices& indices) {
+    const auto& [name, count] = list;
     const auto at = index(text, from, to, indices);
     if (!at) return false;
-    if (*at >= 1 && *at <= list->second) {
+    if (*at >= 1 && *at <= count) {
       if (!term_) return append(element_name(name, *at), position, true);
       term_->append_element(name, *at);
       return true;
@@ -139,13 +165,14 @@ class Expander {
     for (const auto& [letter, value] : indices)
       where += (where.empty() ? ", for " : ", ") + letter + " = " + std::to_string(value);
     return refuse(position, element_name(name, *at) + " is beyond the list" + where,
-                  element_name(name, 1) + " to " + element_name(name, list->second));
+                  element_name(name, 1) + " to " + element_name(name, count));
   }
   bool choice(std::string_view text, std::size_t position, std::size_t from, std::size_t to, Indices& indices) {
     const std::size_t first = comma(text, from, to), second = first < to ? comma(text, first + 1, to) : to;
     if (second == to || comma(text, second + 1, to) != to)
       return refuse(position, "if takes a condition and two formulas", "if(i < j, …, …)");
-    if (!speaks_of_indices(text, from, first, indices))  // it is settled wherever the motion has come
+    if (!speaks_of_indices(text.substr(from, first - from), vocabulary_,
+                           indices))  // it is settled wherever the motion has come
       return append("if(", position, true) && write(text, from, first, indices) && append(",", position, true) &&
              write(text, first + 1, second, indices) && append(",", position, true) &&
              write(text, second + 1, to, indices) && append(")", position, true);
@@ -154,30 +181,6 @@ class Expander {
     const bool taken = std::get<bool>(read);
     return append("(", position, true) && write(text, taken ? first + 1 : second + 1, taken ? second : to, indices) &&
            append(")", position, true);
-  }
-  /// Whether a condition is one of indices: of whole numbers alone, it speaks of an index, or of nothing but sizes, or
-  /// compares as only indices are compared. A parameter that happens to be whole makes none.
-  bool speaks_of_indices(std::string_view text, std::size_t from, std::size_t to, const Indices& indices) const {
-    const std::string_view condition = text.substr(from, to - from);
-    bool whole = condition.find_first_of("./^") == std::string_view::npos, sizes = true, any = false;
-    bool of_indices = condition.find("==") != std::string_view::npos || condition.find("!=") != std::string_view::npos;
-    if (of_indices) whole = true;  // what else stands there is told by who reads indices
-    while (from < to) {
-      if (!is_letter(text[from])) {
-        ++from;
-        continue;
-      }
-      const std::size_t end = end_of_word(text, from, to);
-      const std::string_view word = text.substr(from, end - from);
-      from = end;
-      if (word == "and" || word == "or" || word == "not") continue;
-      const bool index = word == "mod" || value_of(word, indices);
-      if (!index && !vocabulary_.constants.contains(word)) return false;
-      of_indices = of_indices || index;
-      sizes = sizes && (index || vocabulary_.fixed.contains(word));
-      any = true;
-    }
-    return whole && (of_indices || (any && sizes));
   }
   /// Of a sum or a product: from the first bound to the last bracket.
   bool series(std::string_view text, std::size_t position, std::size_t from, std::size_t to, bool adds,
@@ -334,6 +337,7 @@ class Expander {
   Expansion& made_;
   KeptSums* kept_;              ///< null: all is written out
   TermReader* term_ = nullptr;  ///< of the sum that is kept: what is written is one of its terms
+  std::unordered_map<const char*, WordOfTerms> words_of_terms_;  ///< those that were looked at, by where they begin
   Expansion::Wrong wrong_;
   std::optional<std::size_t> definition_{};  ///< whose text is at hand
   std::size_t known_ = std::string::npos;    ///< so many definitions are

@@ -209,4 +209,26 @@ std::variant<bool, Fault> read_condition(std::string_view text, std::size_t from
   return IndexReader(text, from, to, vocabulary, indices, used).condition();
 }
 
+bool speaks_of_indices(std::string_view condition, const Vocabulary& vocabulary, const Indices& indices) {
+  bool whole = condition.find_first_of("./^") == std::string_view::npos, sizes = true, any = false;
+  bool of_indices = condition.find("==") != std::string_view::npos || condition.find("!=") != std::string_view::npos;
+  if (of_indices) whole = true;  // what else stands there is told by who reads indices
+  for (std::size_t at = 0; at < condition.size();) {
+    if (!is_letter(condition[at])) {
+      ++at;
+      continue;
+    }
+    const std::size_t end = end_of_word(condition, at, condition.size());
+    const std::string_view word = condition.substr(at, end - at);
+    at = end;
+    if (word == "and" || word == "or" || word == "not") continue;
+    const bool index = word == "mod" || value_of(word, indices);
+    if (!index && !vocabulary.constants.contains(word)) return false;
+    of_indices = of_indices || index;
+    sizes = sizes && (index || vocabulary.fixed.contains(word));
+    any = true;
+  }
+  return whole && (of_indices || (any && sizes));
+}
+
 }  // namespace least::text

@@ -45,4 +45,8 @@ std::variant<std::int64_t, Fault> read_index(std::string_view text, std::size_t 
 std::variant<bool, Fault> read_condition(std::string_view text, std::size_t from, std::size_t to,
                                          const Vocabulary& vocabulary, const Indices& indices, Names& used);
 
+/// Whether a condition is one of indices: of whole numbers alone, it speaks of an index, or of nothing but sizes, or
+/// compares as only indices are compared. A parameter that happens to be whole makes none.
+bool speaks_of_indices(std::string_view condition, const Vocabulary& vocabulary, const Indices& indices);
+
 }  // namespace least::text

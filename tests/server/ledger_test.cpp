@@ -35,7 +35,7 @@ std::vector<Worst> worst_requests() {
   on("/v1/ensemble", {in_json, in_lines, in_cbor},
      "{" + oscillator + R"(,"until":{"t":1},"keep":["final"],"columns":["q","p"],
       "members":{"count":1000000,"vary":{"/initial/q":{"uniform":[-1,1]}}}})");
-  on("/v1/ensemble", {in_json, in_lines}, "{" + oscillator + R"(,"until":{"t":1000},"keep":["section"],
+  on("/v1/ensemble", {in_json, in_lines}, "{" + oscillator + R"(,"until":{"t":250},"keep":["section"],
       "section":{"expression":"q"},"members":{"count":20000,"vary":{"/initial/q":{"uniform":[-1,1]}}}})");
   on("/v1/simulate", {in_json, in_lines, in_cbor, in_csv},
      "{" + oscillator + R"(,"until":{"steps":666665},"record":{"every":1}})");

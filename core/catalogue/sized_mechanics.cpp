@@ -52,8 +52,8 @@ Truth truth_of_few(const text::SizedScene& scene, const std::vector<double>& ini
   for (std::size_t i = 0; i < count; ++i) x[i] = all[i];
   kinds.resize(room);
   Truth truth = true_states(flow, x, times, keep_going, kinds);
-  for (auto& state : truth.states) state.resize(initial.size());
-  truth.sizes.resize(initial.size());
+  for (auto& state : truth.states) state.resize(scene.moving);
+  truth.sizes.resize(scene.moving);
   return truth;
 }
 

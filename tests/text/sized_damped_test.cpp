@@ -204,6 +204,26 @@ TEST(SizedDamped, StrongDampingIsSaid) {
   EXPECT_FALSE(warned(chooses, 0.51, "stiff_step"));
 }
 
+/// Where a force has no series, as |x|^1.5 at x = 0, the truth is a run in quad precision, of the components that the
+/// motion needs: s is none of them, whether the run carries it or not.
+TEST(SizedDamped, ErrorsAreThoseOfTheMotionWhereAForceHasNoSeries) {
+  const auto scene =
+      texts::mechanics_of(texts::damped(of(Definition::Kind::potential, {"x"}, {{"a", 0.23}}, "abs(x)^1.5"), "a"));
+  const auto error = [&](double step, bool with_action) {
+    Request request = stepped("contact_leapfrog", scene, {0.6, 0.96}, 3, step);
+    if (with_action) runs::show_all(request);
+    runs::ask(request, "error");
+    const auto outcome = runs::go(request).outcome;
+    return std::pair(runs::number(outcome.diagnostics, "error/final"), runs::number(outcome.diagnostics, "error/max"));
+  };
+  const auto [final_coarse, coarse] = error(0.01, false);
+  const auto [final_fine, fine] = error(0.005, false);
+  EXPECT_LE(final_coarse, coarse);
+  EXPECT_NEAR(std::log2(coarse / fine), 1.5, 0.3);  // of the order 2 half is lost with the series
+  EXPECT_LT(coarse, 1e-3);
+  EXPECT_EQ(error(0.01, true), std::pair(final_coarse, coarse));
+}
+
 TEST(SizedDamped, TheyAreOfferedWhereThereIsDamping) {
   text::TypedScene typed;
   typed.scene = of(Definition::Kind::potential, {"q[100]"}, {}, "sum(i=1..100, q[i]^4)");

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include "core/ensemble/members.hpp"
+#include "core/text/expansion.hpp"
 #include "core/text/start_velocities.hpp"
 #include "core/text/velocities.hpp"
 #include "core/text/written_out.hpp"
@@ -51,6 +54,11 @@ Json columns_of_a_text() {
 Json columns_of_a_run(const Cards& cards) {
   Json columns = names_of_all(cards, &ProblemCard::columns);
   columns["minItems"] = 1;
+  Json& names = columns["items"]["enum"];
+  std::set<std::string> lists;
+  for (const Json& name : names)
+    if (const auto element = text::element_of(name.get_ref<const std::string&>())) lists.emplace(element->first);
+  for (const std::string& list : lists) names.push_back(list + "[*]");
   columns["items"] = either(columns["items"], object_of(own_properties(), {"name", "expression"}));
   return columns;
 }

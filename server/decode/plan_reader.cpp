@@ -240,15 +240,16 @@ void refuse_steps(const Json& root, const FieldPath& top, std::string_view reaso
 void read_direction(const Json& root, const FieldPath& top, Scene& scene) {
   const Json* json = find(root, "until");
   const Json* t = is_bare(json) ? json : json && json->is_object() ? find(*json, "t") : nullptr;
-  if (t == nullptr || !top.faults->empty()) return;
+  if (t == nullptr) return;
   Faults later;  // it is read once more, and what is wrong with it told then
   const auto end = read_number(*t, FieldPath{"", &later}, anywhere);
   if (!end || !(*end < scene.start)) return;
   auto turned = backward(scene);
-  if (const auto* why = std::get_if<std::string>(&turned))
-    end_path(root, top).fault("lies before the start: " + *why, *t);
-  else
+  const auto* why = std::get_if<std::string>(&turned);
+  if (!why)
     scene = std::get<Scene>(std::move(turned));
+  else if (top.faults->empty())  // else it may be that which is in the way
+    end_path(root, top).fault("lies before the start: " + *why, *t);
 }
 
 void read_end(const Json& root, const FieldPath& top, const ProblemCard* problem, const PresetCard* preset,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/catalogue/backward.hpp"
 #include "core/catalogue/found_schemes.hpp"
 #include "core/catalogue/start_beside.hpp"
 #include "core/run/suggestions.hpp"
@@ -325,6 +326,10 @@ void check_pair(const Cards& cards, const Scene& scene, std::size_t scheme, cons
   fitting.reserve(problem.schemes.size());
   for (const auto index : problem.schemes)
     if (index != scheme) fitting.push_back(cards.schemes[index].id);
+  if (why.empty() && goes_backward(scene) &&
+      std::ranges::find(forward_of(scene).card().schemes, scheme) != forward_of(scene).card().schemes.end())
+    return path.fault(fmt::format("{} runs {} forward in time alone", card.id, problem.id), Json(card.id),
+                      listed(fitting));
   path.fault(fmt::format("{} cannot run {}: it needs {}, and {} offers {}{}", card.id, problem.id, card.needs,
                          problem.id, problem.offers, why),
              Json(card.id), listed(fitting));

@@ -59,6 +59,24 @@ TEST_F(Backward, EverySchemeReturns) {
   }
 }
 
+// An end before the start is no fault beside another one, nor are times of such a run.
+TEST_F(Backward, OnlyWhatIsWrongIsTold) {
+  const struct {
+    const char *request, *pointer;
+  } rows[] = {{R"({"problem":"kepler","initial":{"q":1},"scheme":"leapfrog","until":-1})", "/initial/q"},
+              {R"({"problem":"kepler","scheme":"leapfrog","until":-1,"zz":1,"record":{"times":[0,-0.5]}})", "/zz"},
+              {R"({"problem":"lorenz","scheme":"contact_splitting","until":-1})", "/scheme"}};
+  for (const auto& [request, pointer] : rows) {
+    const Reply reply = ask(port(), post("/v1/simulate", request));
+    EXPECT_EQ(reply.status, 422) << request;
+    const Json errors = Json::parse(reply.body)["errors"];
+    ASSERT_EQ(errors.size(), 1U) << errors;
+    EXPECT_EQ(errors[0]["pointer"], pointer);
+  }
+  const Reply reply = ask(port(), post("/v1/simulate", rows[2].request));
+  EXPECT_NE(reply.body.find("runs lorenz forward in time alone"), std::string::npos) << reply.body;
+}
+
 // There is no factor e^{−∫α} over t = 0 where α = 2/t: no step of a contact scheme leads there, forward or backward.
 TEST_F(Backward, NoContactStepGoesOverAPoleOfTheDamping) {
   const Json typed = Json::parse(R"({"id":"custom","variables":["q"],"potential":"q^2/2","damping":"2/t"})");

@@ -279,6 +279,8 @@ TEST_F(OpenApi, TheSchemaTakesWhatTheServiceTakes) {
       {"SimulateRequest", "/v1/simulate",
        R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":"2*5"},"record":{"samples":"3"},
            "events":[{"name":"a","expression":"x","set":{"px":"1"},"most":"3"}]})"},
+      {"SimulateRequest", "/v1/simulate",
+       R"({"problem":"figure_eight","scheme":"leapfrog","until":0.01,"columns":["t","x[*]"]})"},
       {"EnsembleRequest", "/v1/ensemble",
        R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":"10"},"range":["0","2"],"members":{"count":"4",
            "seed":"7","vary":{"/initial/x":{"uniform":["-1/8","1/8"]},"/problem/mu":{"grid":["1","2","4"]}}},

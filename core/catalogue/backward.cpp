@@ -21,12 +21,16 @@ const VariableCard* find_variable(const ProblemCard& card, std::string_view name
   return found == card.variables.end() ? nullptr : &*found;
 }
 
-/// Times, rates by time and variables of a report, and of all its parts.
-void turn(const Scene& scene, Report& report) {
-  if (auto* number = std::get_if<double>(&report.value); number && sign_of(scene, report.key) < 0)
+/// Times, rates by time and variables of a report, and of all its parts. What `orbit` says of the sense of a motion, in
+/// a plane also by the sign of the angular momentum, it reads off opposite momenta.
+void turn(const Scene& scene, Report& report, std::string_view within = {}) {
+  const bool in_a_plane = scene.mechanics->text()->form->coordinates == 2;
+  const bool of_sense = report.key == "apsidal_rotation" || (report.key == "angular_momentum" && in_a_plane);
+  if (auto* number = std::get_if<double>(&report.value);
+      number && (sign_of(scene, report.key) < 0 || (within == "orbit" && of_sense)))
     *number = opposite(*number);
   if (auto* parts = std::get_if<std::vector<Report>>(&report.value))
-    for (Report& part : *parts) turn(scene, part);
+    for (Report& part : *parts) turn(scene, part, report.key);
 }
 
 }  // namespace

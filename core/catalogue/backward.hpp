@@ -16,7 +16,8 @@ namespace least {
 
 /// The scene that moves forward as this one moves backward, from the same state at the time −start; its variables,
 /// columns and expressions have the names of this one. Of a problem of the catalogue it is a scene as text, which has
-/// neither the closed forms nor the columns and diagnostics of the problem's own. Or why there is none, in words.
+/// its domain, energy, quantities and orbital elements (core/catalogue/forward_table.hpp), and neither its closed forms
+/// nor what it finds at sections of its own. Or why there is none, in words.
 std::variant<Scene, std::string> backward(const Scene& scene);
 
 /// The scene as it was asked for: what `backward` was given, or the scene itself.

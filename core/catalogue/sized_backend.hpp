@@ -15,11 +15,17 @@ std::vector<std::size_t> schemes_of(const text::SizedScene& scene);
 class SizedBackend final : public RunBackend {
  public:
   /// `all`: states of the run carry what can be asked for beyond what moves, as s where the motion does not read it.
-  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true)
+  /// `forward`: of a problem of the catalogue that goes backward.
+  explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true,
+                        std::shared_ptr<const ForwardTable> forward = nullptr)
       : traits_(traits_of(*scene, all)),
         motion_traits_(traits_of(*scene, false)),
-        table_(scene, traits_),
-        motion_(std::move(scene), motion_traits_) {}
+        table_(scene, traits_, forward),
+        motion_(std::move(scene), motion_traits_, forward) {
+    if (!forward) return;
+    forward->add_to(traits_);
+    forward->add_to(motion_traits_);
+  }
 
   const ProblemTable& table() const override { return table_; }
   const ProblemTable& motion() const override { return motion_; }

@@ -296,7 +296,11 @@ template <class Stepper>
 class SizedSteps final : public EqualSteps {
  public:
   SizedSteps(const ProblemTable& table, Stepper stepper, const RunState& x, const Grid& grid)
-      : EqualSteps(table, x, grid), stepper_(std::move(stepper)), left_stepper_(stepper_), trial_(stepper_) {
+      : EqualSteps(table, x, grid),
+        stepper_(std::move(stepper)),
+        left_stepper_(stepper_),
+        trial_(stepper_),
+        has_domain_(!std::isnan(table.inside({x.t, x.numbers.data()}))) {
     stepper_.begin(x.numbers.data(), x.t);
   }
   std::string unsupported_reason() const override {
@@ -311,6 +315,7 @@ class SizedSteps final : public EqualSteps {
     const bool with_pole = problem_.traits.quadratic_contact && !of_rates_alone();
     const double* const s = with_pole ? x + 2 * problem_.traits.dof : nullptr;
     double lowest = 0;
+    bool left = false;
     StepStatus status = StepStatus::ok;
     const std::int64_t end = state.n + count;
     while (state.n < end) {
@@ -318,6 +323,7 @@ class SizedSteps final : public EqualSteps {
       if (status != StepStatus::ok) return BlockResult::failed(status);
       state.x.t = grid_.time(++state.n);
       if (s) lowest = std::min(lowest, *s);
+      if (has_domain_) left = left || problem_.outside({state.x.t, x});
       if (!rows) continue;
       *rows++ = state.x.t;
       rows = std::copy_n(x, size, rows);
@@ -325,6 +331,7 @@ class SizedSteps final : public EqualSteps {
     if (state.n == grid_.steps && grid_.tail == 0) state.x.t = grid_.end;
     if (s && -problem_.action_curvature() * lowest * grid_.step > 2) return BlockResult::failed(StepStatus::singular);
     if (!is_finite_state(problem_.traits, state.x)) return {BlockEnd::not_finite};
+    if (left) return {BlockEnd::left_domain};
     return guard.exceeded() ? BlockResult{BlockEnd::too_fast} : BlockResult{};
   }
   StepStatus last_step(RunState& x, double h) override { return stepper_.step(x.numbers.data(), x.t, h); }
@@ -355,6 +362,7 @@ class SizedSteps final : public EqualSteps {
 
   Stepper stepper_, left_stepper_;  ///< at the state, and where the last block, or step, began
   mutable Stepper trial_;
+  bool has_domain_;  ///< the motion has one, which steps may leave
 };
 
 }  // namespace least

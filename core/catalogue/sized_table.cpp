@@ -66,7 +66,9 @@ double SizedTable::kinetic(StateView x) const {
 
 EnergyTerms SizedTable::energy_terms(StateView x) const {
   EnergyTerms terms{unknown, unknown, unknown, unknown};
-  if (traits.potential) {
+  if (traits.flow) {
+    if (forward_) terms = forward_->at(x, [](const auto& of, StateView y) { return of.energy_terms(y); });
+  } else if (traits.potential) {
     terms.kinetic = kinetic(x);
     scene_->potential.evaluate(x.numbers, x.t, &terms.potential);
     if (!traits.contact) terms.total = terms.kinetic + terms.potential;

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/catalogue/forward_table.hpp"
 #include "core/run/backend.hpp"
 #include "core/run/problem_table.hpp"
 #include "core/text/sized_scene.hpp"
@@ -14,8 +15,10 @@ ProblemTraits traits_of(const text::SizedScene& scene, bool all = true);
 
 class SizedTable final : public ProblemTable {
  public:
-  SizedTable(std::shared_ptr<const text::SizedScene> scene, const ProblemTraits& known)
-      : ProblemTable(known), scene_(std::move(scene)) {}
+  /// `forward`: of a problem of the catalogue that goes backward.
+  SizedTable(std::shared_ptr<const text::SizedScene> scene, const ProblemTraits& known,
+             std::shared_ptr<const ForwardTable> forward)
+      : ProblemTable(known), scene_(std::move(scene)), forward_(std::move(forward)) {}
   const text::SizedScene& scene() const { return *scene_; }
 
   RunState start(const std::vector<double>& variables, double t) const override;
@@ -35,19 +38,27 @@ class SizedTable final : public ProblemTable {
   double stiffness_rate() const override { return unknown; }
   double frequency_squared(StateView) const override { return unknown; }
   bool reads_action() const override { return scene_->reads_action; }
-  bool outside(StateView) const override { return false; }
-  double inside(StateView) const override { return unknown; }
+  bool outside(StateView x) const override {
+    return forward_ && forward_->at(x, [](const auto& of, StateView y) { return of.outside(y); });
+  }
+  double inside(StateView x) const override {
+    return forward_ ? forward_->at(x, [](const auto& of, StateView y) { return of.inside(y); }) : unknown;
+  }
   void sections(StateView, double*) const override {}
   void invariants(StateView x, double* values) const override { scene_->invariants.evaluate(x.numbers, x.t, values); }
   void invariants(const StateRows& states, double* values) const override;
-  double quantity(StateView, std::size_t) const override { return unknown; }
-  double element(StateView, std::size_t) const override { return unknown; }
+  double quantity(StateView x, std::size_t i) const override {
+    return forward_ ? forward_->at(x, [i](const auto& of, StateView y) { return of.quantity(y, i); }) : unknown;
+  }
+  double element(StateView x, std::size_t i) const override {
+    return forward_ ? forward_->at(x, [i](const auto& of, StateView y) { return of.element(y, i); }) : unknown;
+  }
   double entropy(StateView) const override { return unknown; }
   std::span<const std::string_view> moment_names() const override { return {}; }
   void moments(StateView, double*) const override {}
   double log_weight(StateView) const override { return unknown; }
   double log_rate(StateView) const override { return unknown; }
-  double gravitational_parameter() const override { return unknown; }
+  double gravitational_parameter() const override { return forward_ ? forward_->gravitational_parameter() : unknown; }
   bool starts_series(StateView) const override { return false; }
   RunState series_state(double) const override { return {}; }
 
@@ -58,6 +69,7 @@ class SizedTable final : public ProblemTable {
   double kinetic(StateView x) const;
 
   std::shared_ptr<const text::SizedScene> scene_;
+  std::shared_ptr<const ForwardTable> forward_;
 };
 
 }  // namespace least

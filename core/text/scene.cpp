@@ -102,6 +102,7 @@ void TextScene::describe_as_known(ProblemCard& card) const {
   card.suggested = known->suggested;
   card.presets = known->presets;
   card.references = known->references;
+  card.quantities = known->quantities;
   const std::size_t n = form->coordinates, all = form->kind == FormKind::flow ? n : 2 * n;
   for (std::size_t i = 0; i < all; ++i)
     card.variables[i < n ? i : static_cast<std::size_t>(capacity) + i - n] = known->variables[i];

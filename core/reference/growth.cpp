@@ -149,7 +149,11 @@ class GrowthOfDifferences {
     };
     seen();
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
-      if (!motion.advance()) return ends(motion.time(), motion.left_domain());
+      if (!motion.advance()) {
+        if (!motion.lost()) return ends(motion.time(), motion.left_domain());
+        found_.complete = false;
+        break;
+      }
       seen();
       found_.complete = step < patience && (step % between_looks_ != 0 || keep_going_());
     }

@@ -2,14 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/run/control_stepper.hpp"
 
 namespace least {
 namespace {
 
+/// How far a neighbour is, relative to the sizes of the components, and how accurate a step of its difference from the
+/// motion has to be: errors of all steps near x = 0 of √|x| add up.
+constexpr double next_to = 1e-7, closely = 1e-5;
+
 /// The larger one; NaN stays.
 double larger(double most, double x) { return std::isnan(most) || x <= most ? most : x; }
+
+/// After one of length h with this error, 1 being allowed.
+double next_step(double h, double error) {
+  if (std::isnan(error)) return h / 4;
+  const double wanted = 0.9 / std::pow(std::max(error, 1e-6), 0.2);
+  return h * (error <= 1 ? std::min(4.0, wanted) : std::max(0.2, wanted));
+}
 
 }  // namespace
 
@@ -21,7 +33,8 @@ Differences::Differences(const RunBackend& backend, const RunState& x, std::size
       end_(end),
       scale_(largest(here_).first),
       tolerance_(tolerance),
-      step_((end - x.t) / 100) {
+      step_((end - x.t) / 100),
+      sizes_(x.size(), 0.0) {
   here_.slopes[direction] = 1;
 }
 
@@ -31,7 +44,9 @@ double Differences::growth() const {
 }
 
 bool Differences::advance() {
-  const double shortest = 1e-13 * std::max(std::abs(time()), end_ - time());
+  const double shortest = 1e-13 * std::max(std::abs(time()), end_ - time()), first = step_;
+  for (std::size_t i = 0; i < sizes_.size(); ++i) sizes_[i] = std::max(sizes_[i], std::abs(here_.x[i]));
+  if (apart_ > 0) apart_ = neighbour();
   for (;;) {
     const double left = end_ - time(), h = std::min(step_, left);
     Point whole = here_, halves = here_;
@@ -40,25 +55,32 @@ bool Differences::advance() {
     halves.x.t = time() + h / 2;
     move(halves, h / 2);
     const auto [value, slope] = largest(halves);
-    double error = 0;
+    double of_motion = 0, of_slopes = 0;
     for (std::size_t i = 0; i < whole.x.size(); ++i) {
-      error = larger(error, std::abs(whole.x[i] - halves.x[i]) / value);
-      error = larger(error, std::abs(whole.slopes[i] - halves.slopes[i]) / slope);
+      of_motion = larger(of_motion, std::abs(whole.x[i] - halves.x[i]) / value);
+      of_slopes = larger(of_slopes, std::abs(whole.slopes[i] - halves.slopes[i]) / slope);
     }
-    error /= 15 * tolerance_;
-    if (error <= 1 && inside(halves)) {
+    of_motion /= 15 * tolerance_;
+    of_slopes /= 15 * (apart_ > 0 ? closely : tolerance_);
+    const double error = larger(of_motion, of_slopes);
+    const bool accurate = error <= 1;
+    left_domain_ = accurate && !inside(halves);
+    step_ = left_domain_ ? h / 4 : next_step(h, error);
+    if (accurate && !left_domain_ && (step_ >= shortest || h == left)) {
       halves.x.t = h < left ? time() + h : end_;
       if (const double part = steep_.resolved_part(here_.x, halves.x, tolerance_); part < 1 && part * h > shortest) {
         step_ = part * h;
         continue;
       }
       here_ = halves;
-      step_ = h * std::min(4.0, 0.9 / std::pow(std::max(error, 1e-6), 0.2));
       return true;
     }
-    left_domain_ = error <= 1;
-    step_ = error > 1 ? h * std::max(0.2, 0.9 / std::pow(error, 0.2)) : h / 4;  // NaN: a quarter
-    if (step_ < (left_domain_ ? 1e-3 * left : shortest)) return false;
+    if (step_ >= (left_domain_ ? 1e-3 * left : shortest)) continue;
+    const bool goes_on = !left_domain_ && next_step(h, of_motion) >= shortest;
+    lost_ = goes_on && apart_ > 0;
+    if (lost_ || !goes_on) return false;
+    apart_ = neighbour();
+    step_ = first;
   }
 }
 
@@ -76,7 +98,7 @@ void Differences::move(Point& point, double h) const {
         at.slopes[i] = point.slopes[i] + nodes[stage] * h * changes[i];
       }
     }
-    backend_.motion().rates(at.x, at.slopes.data(), 0, rates.data(), changes.data());
+    find_rates(at, rates.data(), changes.data());
     for (std::size_t i = 0; i < size; ++i) {
       moved[i] += weights[stage] * rates[i];
       slopes[i] += weights[stage] * changes[i];
@@ -86,6 +108,25 @@ void Differences::move(Point& point, double h) const {
     point.x[i] += h / 6 * moved[i];
     point.slopes[i] += h / 6 * slopes[i];
   }
+}
+
+void Differences::find_rates(const Point& at, double* rates, double* changes) const {
+  const ProblemTable& motion = backend_.motion();
+  if (apart_ == 0) return motion.rates(at.x, at.slopes.data(), 0, rates, changes);
+  RunState neighbour = at.x;
+  for (std::size_t i = 0; i < neighbour.size(); ++i) neighbour[i] += apart_ * at.slopes[i];
+  motion.rates(at.x, rates);
+  motion.rates(neighbour, changes);
+  for (std::size_t i = 0; i < neighbour.size(); ++i) changes[i] = (changes[i] - rates[i]) / apart_;
+}
+
+/// By how many derivatives a neighbour differs from the state: by a small part of each component's size.
+double Differences::neighbour() const {
+  const auto [value, slope] = largest(here_);
+  double most = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < sizes_.size(); ++i)
+    if (sizes_[i] > 0 && here_.slopes[i] != 0) most = std::min(most, sizes_[i] / std::abs(here_.slopes[i]));
+  return next_to * std::min(most, value / slope);
 }
 
 bool Differences::inside(const Point& point) const {

@@ -1,5 +1,7 @@
 // A motion and its derivative in one direction of the start, by the classical Runge–Kutta scheme with steps halved for
-// comparison (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4).
+// comparison (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4). Where the force changes
+// infinitely fast, as √|x| at x = 0, there is no step by its derivatives: from there on those of the motion are
+// followed as its difference from a neighbour.
 #pragma once
 
 #include <utility>
@@ -23,7 +25,10 @@ class Differences {
   /// Whether the last trial came to a place outside of the domain.
   bool left_domain() const { return left_domain_; }
 
-  /// One step that is accurate enough. False: the motion ends here.
+  /// Whether nothing is known of the derivative any more, although the motion goes on.
+  bool lost() const { return lost_; }
+
+  /// One step that is accurate enough. False: the motion ends here, or the derivative is lost.
   bool advance();
 
  private:
@@ -33,6 +38,8 @@ class Differences {
     StateNumbers slopes;
   };
   void move(Point& point, double h) const;
+  void find_rates(const Point& at, double* rates, double* changes) const;
+  double neighbour() const;
   bool inside(const Point& point) const;
   static std::pair<double, double> largest(const Point& point);
 
@@ -40,7 +47,9 @@ class Differences {
   SteepSteps steep_;
   Point here_;
   double end_, scale_, tolerance_, step_;
-  bool left_domain_ = false;
+  StateNumbers sizes_;  ///< of the components, the largest so far
+  double apart_ = 0;    ///< the neighbour is the state and so many derivatives; 0: none is followed
+  bool left_domain_ = false, lost_ = false;
 };
 
 }  // namespace least

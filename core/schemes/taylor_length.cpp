@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/schemes/taylor.hpp"
 #include "core/tape/series_rules.hpp"
@@ -54,7 +55,8 @@ Two sizes(const double* c, const Bits& kept) {
 }
 
 constexpr std::int64_t long_step = whole_log2(20), longest_step = whole_log2(500);  // its square is finite
-constexpr int looked_at = 8;                                                        // orders
+constexpr double before_switch = 0.999;   // of a step that ends shortly behind one
+constexpr int looked_at = 8;              // orders
 constexpr double excess = 10;             // by how much their coefficients may exceed what the last two promise
 constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what those before the last ought to be
 
@@ -98,11 +100,11 @@ double Expansion::length_by_series() const {
 
 double Expansion::step(double most) {
   double h = until_pole(std::min(length_by_series(), told_));
-  if (!program().switches.empty()) h = until_switch(h);
+  const std::optional<double> behind = program().switches.empty() ? std::nullopt : until_switch(h);
   h = std::min(h, most);
   const bool hides = guarded_ && until_hidden(h);
-  if (hides || (reads_time_ && may_hide_what_comes(h, most)))
-    while (h > 0 && !solves(h)) h *= 0.5;
+  if (hides || (reads_time_ && may_hide_what_comes(h, most)))  // behind a switch the equations are other ones
+    for (double told = h == behind ? before_switch * h : h; h > 0 && !solves(told); told = h) h *= 0.5;
   return reads_time_ && h < most ? up_to_number(h) : h;
 }
 

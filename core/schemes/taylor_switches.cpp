@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "core/number/asked_by_thread.hpp"
@@ -63,11 +64,11 @@ double Expansion::behind_switch(Index value, bool before, double h, double longe
   return longest;
 }
 
-/// Up to h, or to shortly behind the first time at which a formula changes. What it is chosen by may be faster than the
-/// motion, as sin(20t) is whose sign alone acts: then its own series is heeded, too.
-double Expansion::until_switch(double h) {
+/// What formulas are chosen by may be faster than the motion, as sin(20t) is whose sign alone acts: then its own series
+/// is heeded, too.
+std::optional<double> Expansion::until_switch(double &end) {
   std::array<double, tape::most_terms> terms{};
-  double end = h;
+  std::optional<double> behind;
   for (const Index value : series_.program().switches) {
     double most = 0;
     for (int k = used_ - 1; k > 0; --k) most = (most + std::abs(series_.coefficient(value, k))) * end;
@@ -97,8 +98,9 @@ double Expansion::until_switch(double h) {
     }
     const double beyond = 4 * std::numeric_limits<double>::epsilon();
     end = behind_switch(value, before, std::min(end, high * (1 + beyond) + beyond * std::abs(t_)), end);
+    behind = end;
   }
-  return end;
+  return behind;
 }
 
 }  // namespace least::taylor

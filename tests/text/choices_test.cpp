@@ -94,6 +94,40 @@ TEST(Choices, NoStepGoesOverAWall) {
       }
 }
 
+// A pulse that is yet to come has a step held against the equations: behind a switch they are other ones.
+TEST(Choices, CostNoStepsMoreBesideASleepingForce) {
+  constexpr const char* pulse = "exp(-60*(t-5.4)^2)";
+  const auto run = [](const Definition& definition) {
+    Request request = from(definition, {1, 0.2});
+    runs::only_final(request);
+    request.end = 4;
+    return runs::go(request).outcome;
+  };
+  const auto as_without = [&](const Definition& alone, const Definition& beside, std::int64_t most) {
+    const auto quiet = run(alone), asleep = run(beside);
+    ASSERT_EQ(asleep.stop.reason, ReturnCode::completed) << asleep.stop.detail;
+    EXPECT_LE(quiet.cost.steps, most);
+    EXPECT_LE(asleep.cost.steps, most);
+    for (std::size_t i = 0; i < quiet.final.size(); ++i) EXPECT_NEAR(asleep.final[i], quiet.final[i], 1e-11);
+  };
+  for (const char* text : {"abs(x)", "if(x < -0.2, 0, x^2)", "max(x - 0.3, 0)^2", "x*if(t < 2, 1, 3)"}) {
+    SCOPED_TRACE(text);
+    const auto potential = [&](const std::string& more) {
+      return of(Definition::Kind::potential, {"x"}, {}, std::string("x^2/2 + ") + text + more);
+    };
+    as_without(potential(""), potential(std::string(" + x*") + pulse), 6);
+  }
+  for (const char* text : {"-0.3*sign(vx)", "-0.3*sign(x)", "-0.3*vx*abs(vx)"}) {
+    SCOPED_TRACE(text);
+    const auto under = [&](const std::string& force) {
+      Definition pushed = of(Definition::Kind::potential, {"x"}, {}, "x^2/2");
+      pushed.forces = {{"x", force}};
+      return pushed;
+    };
+    as_without(under(text), under(std::string(text) + " + " + pulse), 6);
+  }
+}
+
 /// x from 0 at rest where x'' is a wave of the frequency w that is 1 and −1 by turns, first 1.
 double under_a_square_wave(double w, double t) {
   const double half = std::acos(-1.0) / w, turns = std::floor(t / half), left = t - turns * half;

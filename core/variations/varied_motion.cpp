@@ -246,6 +246,28 @@ std::vector<double> VariedMotion::with_parameters(const std::vector<double>& y) 
   return x;
 }
 
+/// The rates at the end `to` of a step that has ended shortly behind a switch, by the formulas of the side that it
+/// left: from two looks a little back along it, or, where it is so short that these were behind the switch, too, from
+/// the first terms of its series.
+std::vector<double> VariedMotion::rates_before(double to) const {
+  constexpr double part = 1e-6, behind = 64 * std::numeric_limits<double>::epsilon();
+  const double h = to - t_, little = part * h;
+  std::vector<double> rates(size_);
+  if (!(little > behind * std::abs(to))) {
+    const tape::Series& series = expansion_->series();
+    for (std::size_t i = 0; i < size_; ++i) rates[i] = series.coefficients(1)[i] + 2 * h * series.coefficients(2)[i];
+    return rates;
+  }
+  const auto rates_at = [&](double t) {
+    std::vector<double> y = y_, low = low_;
+    expansion_->evaluate(t - t_, low.data(), y.data());
+    return sides(with_parameters(y), t);
+  };
+  const std::vector<double> near = rates_at(to - little), far = rates_at(to - 2 * little);
+  for (std::size_t i = 0; i < size_; ++i) rates[i] = 2 * near[i] - far[i];
+  return rates;
+}
+
 /// What a step to `to`, which is seen, has made of the derivatives, where it has ended shortly behind a switch.
 void VariedMotion::cross_switch(double to) {
   const std::vector<double> values = with_parameters(seen_);
@@ -253,19 +275,9 @@ void VariedMotion::cross_switch(double to) {
   std::size_t changed = size_;
   while (changed < after.size() && (before[changed] < 0) == (after[changed] < 0)) ++changed;
   if (changed == after.size()) return;
-  // f₋ is that of the side that was left, from two looks a little back along the step.
-  const auto rates_at = [&](double t) {
-    std::vector<double> y = y_, low = low_;
-    expansion_->evaluate(t - t_, low.data(), y.data());
-    return sides(with_parameters(y), t);
-  };
-  const double little = 1e-6 * (to - t_);
-  const std::vector<double> near = rates_at(to - little), far = rates_at(to - 2 * little);
-  std::vector<double> jump(size_), rates(size_), u(size_);
-  for (std::size_t i = 0; i < size_; ++i) {
-    rates[i] = 2 * near[i] - far[i];
-    jump[i] = rates[i] - after[i];
-  }
+  const std::vector<double> rates = rates_before(to);  // f₋
+  std::vector<double> jump(size_), u(size_);
+  for (std::size_t i = 0; i < size_; ++i) jump[i] = rates[i] - after[i];
   const auto slope_along = [&](std::span<const double> slope, const Direction& direction, double share, double dt) {
     std::vector<Slope> x(values.begin(), values.end());
     for (std::size_t i = 0; i < size_; ++i) x[i].slope[0] = slope[i];

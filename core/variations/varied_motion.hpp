@@ -88,6 +88,7 @@ class VariedMotion {
   void step_to(double to);
   double derivatives_step();
   void prepare_switches(const ParametricScene& scene);
+  std::vector<double> rates_before(double to) const;
   void cross_switch(double to);
   /// The rates of the motion, and then what changes its sign at switches.
   template <class T>

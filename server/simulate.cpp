@@ -74,6 +74,9 @@ class Task {
       variations::VariedRun run(std::move(request), sensitivities_);
       outcome = run.go(receiver, cancelled);
       ended.sensitivities = run.sensitivities(outcome, cancelled);
+      constexpr double worthless = 0.1;  // as what a run is off by
+      if (const double doubt = ended.sensitivities->uncertainty; doubt > worthless)
+        outcome.warnings.push_back({"uncertain_sensitivities", messages::uncertain_sensitivities(doubt)});
     } else {
       outcome = scene.mechanics->run(request, receiver, cancelled);
     }

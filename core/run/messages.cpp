@@ -108,6 +108,10 @@ std::string uncertain(double uncertainty) {
                      uncertainty);
 }
 
+std::string uncertain_sensitivities(double uncertainty) {
+  return fmt::format("by a second way sensitivities are off by {:.2g} times the largest of them", uncertainty);
+}
+
 Message departs(double error, double t, double reached) {
   return "at " + Message::time(t, 4) +
          fmt::format(" it is off by {:.2g}, by a control run of Dormand–Prince 5(4) that went as far as ", error) +

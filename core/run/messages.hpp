@@ -35,6 +35,8 @@ std::string no_tangent();
 Message sensitive_end(double t, double rate);
 /// Of a reference by itself.
 std::string uncertain(double uncertainty);
+/// Of derivatives, as a part of the largest of them.
+std::string uncertain_sensitivities(double uncertainty);
 Message beyond_singularity(double t);
 /// Of a scheme that was chosen: the event that acts, and when it first did.
 Message judged_before_acts(std::string_view event, double t);

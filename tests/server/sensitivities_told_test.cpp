@@ -1,7 +1,9 @@
 // What is told of derivatives beside them, over HTTP: their uncertainty, the structure of a map, why there are none.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "tests/server/fixture.hpp"
 
@@ -11,6 +13,25 @@ namespace {
 class SensitivitiesTold : public Asking {
  protected:
   static Json by(const Json& pointers) { return {{"by", pointers}, {"of", "motion"}}; }
+  /// By x of the start: rows of the end, then times of the events, from runs beside it.
+  static std::vector<double> differences(Json request) {
+    constexpr double h = 1e-4;
+    request.erase("sensitivities");
+    request["scheme"] = {{"id", "taylor"}, {"tolerance", 1e-14}};
+    const double x = request["initial"]["x"];
+    const auto beside = [&](double by) {
+      request["initial"]["x"] = x + by;
+      const Json made = answer(request);
+      std::vector<double> all{made["final"]["x"], made["final"]["px"]};
+      for (const Json& event : made["events"]) all.push_back(event["t"]);
+      return all;
+    };
+    const auto up = beside(h), down = beside(-h), far_up = beside(2 * h), far_down = beside(-2 * h);
+    std::vector<double> slopes(up.size());
+    for (std::size_t i = 0; i < slopes.size(); ++i)
+      slopes[i] = (8 * (up[i] - down[i]) - (far_up[i] - far_down[i])) / (12 * h);
+    return slopes;
+  }
 };
 
 // Masses of 1 to 8e-9 make entries of 1e8 and 1e-8: in units of which both are about 1 the map is symplectic to
@@ -60,6 +81,82 @@ TEST_F(SensitivitiesTold, ByTheTimeOfTheStartOfSwitchingScenesAreHeldAgainstRuns
     }
     const double slope = (ends[1]["x"].get<double>() - ends[0]["x"].get<double>()) / (2 * h);
     EXPECT_NEAR(found["final"][0][1], slope, 1e-6);
+  }
+}
+
+// A pulse that is yet to come does not hide what switches make of derivatives, of the end and of times of events.
+TEST_F(SensitivitiesTold, JumpsAtSwitchesAreSeenBesideASleepingForce) {
+  const auto pushed = [](const Json& more) {
+    Json problem{{"id", "custom"}, {"variables", {"x"}}, {"potential", "x^2/2"}};
+    problem.update(more);
+    return problem;
+  };
+  const std::string kink = "x^2/2 + abs(x) + x*", pulse = "exp(-60*(t-5.4)^2)";
+  std::vector<Json> all;
+  for (const char* other : {"exp(-60*(t-5.4)^2)", "exp(-60*(t-2)^2)", "exp(-5*(t-5.4)^2)", "exp(-2000*(t-20)^2)"})
+    all.push_back(pushed({{"potential", kink + other}}));
+  all.push_back(pushed({{"potential", kink + pulse}, {"damping", "0.1"}}));
+  for (const std::string force : {"-0.3*sign(vx)", "-0.3*sign(x)"})
+    all.push_back(pushed({{"forces", {{"x", force + " + " + pulse}}}}));
+  all.push_back(pushed({{"potential",
+                         "0.79*x^2/2 + 0.82*hypot(x, 1.12) + 0.73*if(x < -0.24, 0, x^2)"
+                         " + x*exp(-(t-5.44)^2*57.15)"}}));
+  for (const Json& problem : all)
+    for (const char* scheme : {"taylor", "dormand_prince_5"}) {
+      const Json request{{"problem", problem},
+                         {"initial", {{"x", 1.04}, {"vx", 0.31}}},
+                         {"scheme", scheme},
+                         {"until", 4},
+                         {"record", {{"every", 0}}},
+                         {"events", Json::array({{{"name", "passed"}, {"expression", "x + 0.29"}}})},
+                         {"sensitivities", by({"/initial/x"})}};
+      const Json made = answer(request), found = made["sensitivities"];
+      EXPECT_LT(found["uncertainty"], 1e-9) << found << request;
+      EXPECT_TRUE(made["warnings"].empty()) << made["warnings"];
+      const std::vector<double> truth = differences(request);
+      ASSERT_EQ(truth.size(), 2 + found["events"].size()) << request;
+      for (std::size_t i = 0; i < truth.size(); ++i) {
+        const Json& slope = i < 2 ? found["final"][i][0] : found["events"][i - 2]["t"][0];
+        EXPECT_NEAR(slope, truth[i], 1e-8) << i << request;
+      }
+    }
+}
+
+// An event that acts begins a step: also one to a switch so close that nothing can be told on the way there.
+TEST_F(SensitivitiesTold, JumpsAtSwitchesAreSeenAtTheEndOfTheShortestSteps) {
+  for (const char* before : {"x - 1e-12", "x - 1e-10", "x - 1e-9", "x - 1e-8", "x - 1e-6"}) {
+    const Json act{{"name", "act"}, {"expression", before}, {"direction", "down"}, {"set", {{"vx", "vx"}}}};
+    const Json request{{"problem", custom(R"~({"variables": ["x"], "potential": "x^2/2 + abs(x)"})~")},
+                       {"initial", {{"x", 1}, {"vx", 0.2}}},
+                       {"scheme", "taylor"},
+                       {"until", 4},
+                       {"events", Json::array({act})},
+                       {"sensitivities", by({"/initial/x"})}};
+    const Json found = answer(request)["sensitivities"];
+    const std::vector<double> truth = differences(request);
+    ASSERT_EQ(truth.size(), 3) << before;
+    for (const std::size_t i : {std::size_t(0), std::size_t(1)})
+      EXPECT_NEAR(found["final"][i][0], truth[i], 1e-8) << before;
+    EXPECT_LT(found["uncertainty"], 1e-9) << before;
+  }
+}
+
+// Where a motion begins on a kink, its derivatives to the left and to the right are not the same: there is none.
+TEST_F(SensitivitiesTold, WhatIsContradictedByRunsCarriesAWarning) {
+  for (const double x : {0.0, 0.5}) {
+    const Json request{{"problem", custom(R"~({"variables": ["x"], "potential": "x^2/2 + abs(x)"})~")},
+                       {"initial", {{"x", x}, {"vx", 0.2}}},
+                       {"scheme", "taylor"},
+                       {"until", 4},
+                       {"sensitivities", by({"/initial/x"})}};
+    const Json made = answer(request);
+    const bool worthless = x == 0;
+    EXPECT_EQ(made["sensitivities"]["uncertainty"] > 0.1, worthless) << made["sensitivities"];
+    EXPECT_TRUE(made["sensitivities"]["final"].is_array());
+    EXPECT_EQ(
+        std::ranges::count(made["warnings"], "uncertain_sensitivities", [](const Json& one) { return one["code"]; }),
+        worthless ? 1 : 0)
+        << made["warnings"];
   }
 }
 

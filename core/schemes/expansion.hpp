@@ -65,9 +65,9 @@ class Expansion {
   void look_closer(const double* y);
   double until_pole(double h) const;
   bool leave_border(const double* y);
-  /// Shortens the step h to what the series tells of all that formulas are chosen by, or to shortly behind the first
-  /// time at which one changes, which is then what it returns.
-  std::optional<double> until_switch(double& h);
+  /// Shortens a step up to `end` to what the series tells of all that formulas are chosen by, or to shortly behind the
+  /// first time at which one changes, which is then what it returns.
+  std::optional<double> until_switch(double& end);
   double behind_switch(tape::Index value, bool before, double h, double longest);
   template <std::size_t Pairs>
   double series_step() const;

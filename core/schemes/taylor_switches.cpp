@@ -20,7 +20,7 @@ using tape::Index;
 /// Where that is the other one, the series becomes that of a state beside it, there, as near as rounding allows.
 /// Whether it has to be begun anew at y, because from there the motion goes back: it stays on the border. Where a
 /// thousand formulas change at once this takes seconds: it asks whether it is to go on (AskedByThread).
-bool Expansion::leave_border(const double *y) {
+bool Expansion::leave_border(const double* y) {
   constexpr double near = 4 * std::numeric_limits<double>::epsilon(), next_to_0 = 1e-300, longer = 16, longest = 1e3;
   const auto heading = [&](Index value) {
     int k = 1;
@@ -30,7 +30,7 @@ bool Expansion::leave_border(const double *y) {
   for (const Index value : program().switches) {
     if (series_.coefficient(value, 0) != 0 || !(heading(value) < 0)) continue;
     if (!AskedByThread::goes_on()) return false;
-    double *const beside = way_.data();
+    double* const beside = way_.data();
     double h = std::numeric_limits<double>::min();
     do {
       for (std::size_t i = 0; i < variables_; ++i) {
@@ -66,7 +66,7 @@ double Expansion::behind_switch(Index value, bool before, double h, double longe
 
 /// What formulas are chosen by may be faster than the motion, as sin(20t) is whose sign alone acts: then its own series
 /// is heeded, too.
-std::optional<double> Expansion::until_switch(double &end) {
+std::optional<double> Expansion::until_switch(double& end) {
   std::array<double, tape::most_terms> terms{};
   std::optional<double> behind;
   for (const Index value : series_.program().switches) {

@@ -142,7 +142,7 @@ pageTest("the service's faults appear at their fields", { expected: /status of 4
   assert.equal((await statuses(page)).length, 2);
 
   await page.fill("[data-pointer='/problem/mu']", "heavy");
-  await page.fill("[data-pointer='/until/t']", "-5");
+  await page.fill("[data-pointer='/until/t']", "soon");
   await page.press("[data-pointer='/until/t']", "Enter");
   await settled(page);
   const marked = await all(page, "#scene [aria-invalid]", "dataset.pointer");

@@ -113,6 +113,7 @@ TEST_F(Backward, TheDomainOfAMotionIsKept) {
 
 // An orbit turns its apsis as the motion forward does, and has its angular momentum.
 TEST_F(Backward, AnOrbitHasTheSenseOfTheMotionForward) {
+  runs::problem_called("perturbed_kepler");
   Json reports[2];
   for (const double end : {12.0, -12.0})
     reports[end < 0] = answer({{"problem", "perturbed_kepler"},
@@ -127,6 +128,7 @@ TEST_F(Backward, AnOrbitHasTheSenseOfTheMotionForward) {
 
 // An end before the start is no fault beside another one, nor are times of such a run.
 TEST_F(Backward, OnlyWhatIsWrongIsTold) {
+  runs::problem_called("lorenz");
   const struct {
     const char *request, *pointer;
   } rows[] = {{R"({"problem":"kepler","initial":{"q":1},"scheme":"leapfrog","until":-1})", "/initial/q"},

@@ -17,7 +17,7 @@ class SizedBackend final : public RunBackend {
   /// `all`: states of the run carry what can be asked for beyond what moves, as s where the motion does not read it.
   /// `forward`: of a problem of the catalogue that goes backward.
   explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true,
-                        std::shared_ptr<const ForwardTable> forward = nullptr)
+                        const std::shared_ptr<const ForwardTable>& forward = nullptr)
       : traits_(traits_of(*scene, all)),
         motion_traits_(traits_of(*scene, false)),
         table_(scene, traits_, forward),

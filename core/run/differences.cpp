@@ -11,7 +11,7 @@ namespace {
 
 /// How far a neighbour is, relative to the sizes of the components, and how accurate a step of its difference from the
 /// motion has to be: errors of all steps near x = 0 of √|x| add up.
-constexpr double next_to = 1e-7, closely = 1e-5;
+constexpr double next_to = 1e-7, slope_tolerance = 1e-5;
 
 /// The larger one; NaN stays.
 double larger(double most, double x) { return std::isnan(most) || x <= most ? most : x; }
@@ -61,7 +61,7 @@ bool Differences::advance() {
       of_slopes = larger(of_slopes, std::abs(whole.slopes[i] - halves.slopes[i]) / slope);
     }
     of_motion /= 15 * tolerance_;
-    of_slopes /= 15 * (apart_ > 0 ? closely : tolerance_);
+    of_slopes /= 15 * (apart_ > 0 ? slope_tolerance : tolerance_);
     const double error = larger(of_motion, of_slopes);
     const bool accurate = error <= 1;
     left_domain_ = accurate && !inside(halves);

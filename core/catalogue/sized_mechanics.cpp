@@ -66,12 +66,13 @@ std::string force_jumps(bool can_rest) {
 
 class SizedMechanics final : public Mechanics {
  public:
-  explicit SizedMechanics(text::TextScene scene) : text_(std::move(scene)), key_(text_.definition.key()) {
+  explicit SizedMechanics(text::TextScene scene)
+      : text_(std::move(scene)), key_(text_.definition.key()), forward_(ForwardTable::of(text_)) {
     std::vector<double> parameters;
     for (const auto& parameter : text_.definition.parameters) parameters.push_back(parameter.second);
     const auto sized = text_.sized(parameters);
     traits_ = traits_of(*sized);
-    if (const auto forward = ForwardTable::of(text_)) forward->add_to(traits_);
+    if (forward_) forward_->add_to(traits_);
     card_ = complete_card(text_.described(), traits_, schemes_of(*sized));
     const bool full = sized->forced || traits_.general || traits_.configuration_metric || traits_.quadratic_contact;
     if (full && sized->coordinates > text::SizedScene::most_full)
@@ -122,7 +123,7 @@ class SizedMechanics final : public Mechanics {
     auto sized = text_.sized(request.scene->parameters);
     // Steps by Herglotz' equations, and those of a general H, are of all of a state.
     const bool all = sized->forced || on_damped_metric(*sized) || asks_for_full_state(card_, request);
-    return std::make_unique<const SizedBackend>(std::move(sized), all, ForwardTable::of(text_));
+    return std::make_unique<const SizedBackend>(std::move(sized), all, forward_);
   }
   std::optional<RegularStart> regular_start(std::span<const double>, double) const override { return std::nullopt; }
   Scales scales(const Scene& scene) const override {
@@ -147,7 +148,7 @@ class SizedMechanics final : public Mechanics {
   }
   Truth truth(const Scene& scene, const std::vector<double>& times, const KeepGoing& keep_going) const override {
     const auto sized = text_.sized(scene.parameters);
-    const SizedBackend backend(sized, true, ForwardTable::of(text_));
+    const SizedBackend backend(sized, true, forward_);
     const RunState start = backend.motion().start(scene.initial, scene.start);
     Truth truth = truth_by_series(backend, start, digits_of(*sized, start), times, keep_going, kinds_);
     if (truth.complete || !truth.states.empty()) return truth;
@@ -155,22 +156,23 @@ class SizedMechanics final : public Mechanics {
     return other.states.empty() ? truth : other;
   }
   Conditioning conditioning(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const SizedBackend backend(text_.sized(scene.parameters), true, ForwardTable::of(text_));
+    const SizedBackend backend(text_.sized(scene.parameters), true, forward_);
     return conditioning_of(backend, backend.motion().start(scene.initial, scene.start), end, keep_going, kinds_);
   }
   std::vector<PaceMark> pace(const Scene& scene, double end, const KeepGoing& keep_going) const override {
-    const SizedBackend backend(text_.sized(scene.parameters), true, ForwardTable::of(text_));
+    const SizedBackend backend(text_.sized(scene.parameters), true, forward_);
     return pace_of(backend, backend.motion().start(scene.initial, scene.start), end, keep_going);
   }
   double blow_up_time(const Scene& scene, double latest, double step, const KeepGoing& keep_going) const override {
     if (!traits_.quadratic_contact) return unknown;
-    const SizedBackend backend(text_.sized(scene.parameters), true, ForwardTable::of(text_));
+    const SizedBackend backend(text_.sized(scene.parameters), true, forward_);
     return true_blow_up_time(backend, backend.motion().start(scene.initial, scene.start), latest, step, keep_going);
   }
 
  private:
   text::TextScene text_;
   std::string key_;
+  std::shared_ptr<const ForwardTable> forward_;
   ProblemTraits traits_;
   ProblemCard card_;
   std::vector<std::size_t> kinds_;  ///< of the variables

@@ -171,8 +171,8 @@ class Expander {
     const std::size_t first = comma(text, from, to), second = first < to ? comma(text, first + 1, to) : to;
     if (second == to || comma(text, second + 1, to) != to)
       return refuse(position, "if takes a condition and two formulas", "if(i < j, …, …)");
-    if (!speaks_of_indices(text.substr(from, first - from), vocabulary_,
-                           indices))  // it is settled wherever the motion has come
+    const std::string_view condition = text.substr(from, first - from);
+    if (!speaks_of_indices(condition, vocabulary_, indices))  // it is settled wherever the motion has come
       return append("if(", position, true) && write(text, from, first, indices) && append(",", position, true) &&
              write(text, first + 1, second, indices) && append(",", position, true) &&
              write(text, second + 1, to, indices) && append(")", position, true);

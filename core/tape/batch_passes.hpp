@@ -1,5 +1,6 @@
-// What is done for each order of a program that is read, for registers of any width. Places of a batch are columns, of
-// which a register holds a part. It is all to be inlined where registers of that width are asked for.
+// The passes of SeriesReading over an order, for registers of any width. An operand of a batch is a column of values,
+// of which a register holds `Wide` at a time. Everything is inlined into functions that are compiled for registers of
+// that width.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 
 namespace least::tape {
 
-/// As many numbers of a column as a register holds.
+/// Pack reads and writes registers of `Wide` numbers.
 template <std::size_t Wide>
 struct Pack {
   typedef double Numbers __attribute__((vector_size(8 * Wide)));
@@ -26,7 +27,7 @@ struct Pack {
   }
 };
 
-/// A row of values, as steps of a batch from `offset` on read it.
+/// PackRow is a row of values as the steps of a batch from number `offset` on read it, a register at a time.
 template <std::size_t Wide>
 struct PackRow {
   using Number = typename Pack<Wide>::Numbers;
@@ -38,7 +39,7 @@ struct PackRow {
   [[gnu::always_inline]] inline Number operator[](const Column& column) const {
     if (!column.gathered) return Pack<Wide>::read(row + at(column.first) + offset);
     const Index* const from = places + at(column.first) + offset;
-    if constexpr (Wide == 8) {  // in one piece: one by one a register would wait for itself
+    if constexpr (Wide == 8) {  // as one initializer: filled number by number, the register would wait for itself
       return Number{row[from[0]], row[from[1]], row[from[2]], row[from[3]],
                     row[from[4]], row[from[5]], row[from[6]], row[from[7]]};
     } else if constexpr (Wide == 4) {
@@ -54,7 +55,7 @@ template <std::size_t Wide>
   if (column.first != none) Pack<Wide>::write(value, row.row + at(column.first) + row.offset);
 }
 
-/// Factors of the steps of a batch from an offset on, by term.
+/// The constant factors of the steps of a batch, from an offset on, by term; terms are `room` numbers apart.
 template <std::size_t Wide>
 struct PackFactors {
   struct Term {
@@ -63,7 +64,9 @@ struct PackFactors {
   const double* first;
   std::size_t room;
 
-  [[gnu::always_inline]] inline PackFactors operator+(Index) const { return *this; }  // they are of this batch
+  [[gnu::always_inline]] inline PackFactors operator+(Index) const {
+    return *this;
+  }  // `first` already points to this batch
   [[gnu::always_inline]] inline Term operator[](std::size_t i) const { return {Pack<Wide>::read(first + i * room)}; }
 };
 template <std::size_t Wide>
@@ -100,7 +103,7 @@ class SeriesReading::Pass {
         sums_(of.sums_.data()),
         scratch_(of.scratch_.data()) {}
 
-  /// Order 0. `bounded`: as in Series::expand.
+  /// Computes order 0. `bounded`: as in Series::expand.
   [[gnu::always_inline]] inline void begin(double* row, bool bounded) const {
     constexpr double bound = 1e50;
     const auto clamp = [&](Index first, std::size_t count) {
@@ -183,7 +186,7 @@ class SeriesReading::Pass {
     for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) f(i);
   }
 
-  /// What new terms are multiplied with, from order 0.
+  /// Computes the factors of the terms with order k from order 0.
   [[gnu::always_inline]] inline void find_factors(double* row) {
     for (const StepBatches::Piece& piece : of_.batches_.pieces) {
       if (!piece.is_batch) {
@@ -244,7 +247,8 @@ class SeriesReading::Pass {
       }
     }
   }
-  /// An order of a batch of a rule.
+  /// Computes order k of a batch. The rule is a template argument, so that the switch over rules is decided once per
+  /// batch.
   template <Rule rule>
   [[gnu::always_inline]] inline void advance_batch(const StepBatch& batch, std::size_t k, double* second, double* last,
                                                    double* row) const {
@@ -262,8 +266,9 @@ class SeriesReading::Pass {
     }
   }
 
-  /// Σ aⱼ b_{k−j} over 0 < j < k of lanes, from the middle outwards, so that the newest come last: of several registers
-  /// in one loop, as each alone waits for itself.
+  /// Computes Σ aⱼ b_{k−j} over 0 < j < k of all lanes of products of two, or of squares. Terms go from the middle
+  /// outwards, so that those known last come last. One loop sums several registers, because a single sum would wait for
+  /// itself.
   template <bool squares>
   [[gnu::always_inline]] inline void sum_lanes(const Workspace& in, std::size_t k) {
     constexpr std::size_t parts = StepBatches::width / Wide;
@@ -316,7 +321,8 @@ class SeriesReading::Pass {
   SeriesReading& of_;
   const Program& p_;
   Rules<false> one_by_one_;
-  // Read once: what is written to rows might be anything, for all that a compiler knows.
+  // Copies of pointers: the compiler would reload the originals after every write to a row, which it takes to alias
+  // them.
   Lists lists_;
   const Index* places_;
   const double* numbers_;

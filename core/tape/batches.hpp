@@ -1,8 +1,8 @@
-// The steps of a large formula in batches: of one operation each, on values that stand one after the other. A batch
-// waits for nothing of itself, so that its loop runs on the wide registers of the machine. Batches that follow one
-// another on values of the same length run tile by tile, so that what passes between them stays near the processor; a
-// sum of many terms is one step, and sums run beside each other. Every value is computed by the same operations from
-// the same operands as one after the other: to the last bit the same.
+// Batches evaluates a large formula in batches, each of which applies one operation to consecutive values. The steps of
+// a batch do not depend on each other, so its loop runs on wide registers. Consecutive batches of one length run
+// together tile by tile, so that what they pass on stays in the cache. A sum of many terms is one step, and several
+// sums run side by side. Every value comes from the same operations on the same operands as one by one, and so has the
+// same bits.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@ namespace least::tape {
 
 class Batches {
  public:
-  /// Of steps whose values at `ends` are asked for; nothing where there are too few alike for it to be faster.
+  /// Makes the batches of steps whose outputs are the steps `ends`; null where too few steps are alike for batches to
+  /// be faster.
   static std::shared_ptr<const Batches> of(std::span<const Operation> steps, std::span<const Index> ends);
 
   /// out[i] is the value of ends[i] at the variables x and the time t.
@@ -24,21 +25,21 @@ class Batches {
 
  private:
   using Place = std::uint32_t;
-  static constexpr std::size_t tile = 256;   ///< values of a batch that are computed at a time
-  static constexpr std::size_t abreast = 8;  ///< sums that run beside each other
-  static constexpr Place zero = 0;           ///< a place that holds 0
+  static constexpr std::size_t tile = 256;   ///< values of a batch computed at a time
+  static constexpr std::size_t abreast = 8;  ///< sums that run side by side
+  static constexpr Place zero = 0;           ///< the place that holds 0
   /// Where a batch reads the values of one of its operands, or writes its own.
   struct Operand {
     enum class Kind : std::uint8_t {
-      in_order,   ///< one after the other from `at`
-      scattered,  ///< at places_[at], places_[at + 1] …
-      in_runs,    ///< in the runs of which places_[at + n] is the first of tile number n
-      in_tile     ///< in the tile number `at`, of which the next tile of the same batches takes the place
+      in_order,   ///< consecutive from place `at`
+      scattered,  ///< at the places places_[at], places_[at + 1] …
+      in_runs,    ///< in runs; places_[at + n] is the first run of tile number n
+      in_tile     ///< in the buffer number `at` of one tile, which the next tile overwrites
     };
     Kind kind = Kind::in_order;
     std::uint32_t at = 0;
   };
-  /// Values one after the other from a place, or one value so many times.
+  /// `length` consecutive values from a place, or one value `length` times.
   struct Run {
     Place from = 0;
     std::uint32_t length = 0;
@@ -47,22 +48,23 @@ class Batches {
   struct Batch {
     Code code;
     Operand out{}, a{}, b{}, c{};
-    std::uint32_t value = 0;  ///< the first of its numbers in values_, where the operation has one
+    std::uint32_t value = 0;  ///< the first of its numbers in values_, where the operation has a number
   };
-  /// Batches that run together, tile by tile; or sums, so many times `abreast` of them.
+  /// `number` batches that run together tile by tile; or `number` blocks of sums.
   struct Stage {
     bool sums = false;
     std::uint32_t first = 0, number = 0;
-    std::uint32_t count = 0;  ///< of the values of each batch
+    std::uint32_t count = 0;  ///< values of each batch
   };
-  /// Sums beside each other. In places_, from `at`, where each begins, then the places of their terms, span by span; in
-  /// signs_, from `sign`, 1 or −1 for each term. Short ones end with −0 · 0, which changes nothing.
+  /// A block of `abreast` sums side by side. From `at` on, places_ lists the heads of the sums, then the places of
+  /// their terms, span by span; from `sign` on, signs_ has 1 or −1 for each term. A sum with fewer terms is padded with
+  /// −1 · 0, which changes nothing.
   struct Sums {
     Place out = 0;
     std::uint32_t first_span = 0, spans = 0, at = 0, sign = 0;
   };
-  /// The next terms of sums beside each other, so many of each. In order: each time one after the other from a place,
-  /// which alone is in places_.
+  /// The next `terms` terms of each sum of a block. If they are in order, the k-th terms of all sums are consecutive,
+  /// and places_ has the first place only.
   struct Span {
     std::uint32_t terms = 0;
     bool in_order = false;
@@ -79,8 +81,8 @@ class Batches {
   std::vector<Run> runs_;
   std::vector<Place> places_, ends_;
   std::vector<double> values_, signs_;
-  std::size_t room_ = 0;   ///< values that stand at once
-  std::size_t tiles_ = 0;  ///< that stand at once
+  std::size_t room_ = 0;   ///< places for values that are alive at once
+  std::size_t tiles_ = 0;  ///< buffers of one tile that are alive at once
 };
 
 }  // namespace least::tape

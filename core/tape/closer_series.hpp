@@ -1,9 +1,9 @@
-// A series to twice the digits of a double, for where formulas lose those that a double has. One that is 0/0 at a
-// place, as (x cos x − sin x)/x² at x = 0, is smooth, but beside that place terms cancel, and what rounding has left of
-// them is divided by something small, in every order of the series anew: of a divisor that vanishes at the time ρ from
-// there, what rounding changes in the rates comes back in the k-th coefficient ρ⁻ᵏ times as large, or, where terms
-// happen to cancel to the last digit, as a coefficient that is missing. Sources: Higham, Accuracy and Stability of
-// Numerical Algorithms, 2002, 3.3 (running error analysis); for the rules those of core/tape/series.hpp.
+// CloserSeries computes a Taylor series in double-double, for places where formulas lose the digits of a double. A
+// formula that is 0/0 somewhere, such as (x cos x − sin x)/x² at x = 0, may be smooth there, but close by its terms
+// cancel, and their rounding errors are divided by something small, in every order of the series anew. If a divisor
+// vanishes at the time ρ from the expansion point, a rounding error of the rates returns in the k-th coefficient ρ⁻ᵏ
+// times as large; where terms cancel to the last digit, a coefficient is even missing. Sources: Higham, Accuracy and
+// Stability of Numerical Algorithms, 2002, 3.3 (running error analysis); for the rules those of core/tape/series.hpp.
 #pragma once
 
 #include <memory>
@@ -16,21 +16,23 @@ namespace least::tape {
 
 class CloserSeries {
  public:
-  /// What rounding takes from a number, at most, relative to it.
+  /// The largest relative rounding error of a double.
   static constexpr double rounding = 0x1p-53;
 
-  /// Of a program that divides, by what may become small; null of others, and where it would take much memory.
+  /// Makes the series of a program up to an order; null if the program divides by no value, or if it would take much
+  /// memory.
   static std::unique_ptr<CloserSeries> of(const Program& program, int order);
 
-  /// How far the nearest zero is of what is divided by, in complex time, or up to half as far, where there may be one
-  /// within h of a series; infinite where there is none.
+  /// Estimates how far, in complex time, the nearest zero of a divisor d lies: the minimum of |d₀/dₖ|^{1/k} over k ≥ 1
+  /// and over those divisors whose series allows a zero within h; no zero lies nearer than half of it. Infinite where
+  /// no series does.
   static double reach(const Program& program, const Workspace& of, double h);
-  /// What rounding changes in a rate of the motion at most, about, if values are computed in doubles; `row`: all of
-  /// order 0.
+  /// Estimates, by running error analysis, the largest absolute rounding error of a rate of the motion that is computed
+  /// in doubles. `row` has order 0 of all values.
   double blur(const Program& program, const double* row);
-  /// All orders of all values, at the variables and the time of the workspace, as doubles.
+  /// Writes all orders of all values at the variables and the time of the workspace, rounded to doubles, to its rows.
   void expand(const Program& program, const Workspace& of);
-  /// What it takes in memory, about, once it has been expanded.
+  /// Approximate memory in bytes after the first expansion.
   std::size_t bytes() const { return blurs_.size() * (sizeof(double) + sizeof(DoubleDouble) * orders_); }
 
  private:
@@ -39,9 +41,9 @@ class CloserSeries {
   void begin(const Program& program, const Step& s);
   void advance(const Program& program, const Step& s, std::size_t k);
 
-  std::size_t orders_;              ///< with order 0
-  std::vector<DoubleDouble> rows_;  ///< by value; made when they are first needed
-  std::vector<double> blurs_;       ///< of order 0, by value
+  std::size_t orders_;              ///< number of orders, order 0 included
+  std::vector<DoubleDouble> rows_;  ///< by value, then by order; allocated by the first expansion
+  std::vector<double> blurs_;       ///< by value: the rounding error of order 0
 };
 
 }  // namespace least::tape

@@ -1,6 +1,5 @@
-// What follows from what stands on a tape: on what a value depends, its derivatives, and the same with something else
-// in the place of its variables. Derivatives are values on the same tape. Source: Griewank & Walther, Evaluating
-// Derivatives, 2008, 3.2 (reverse mode).
+// Dependences, derivatives and substitutions of values on a tape. Derivatives are values on the same tape. Source:
+// Griewank & Walther, Evaluating Derivatives, 2008, 3.2 (reverse mode).
 #pragma once
 
 #include <cstdint>
@@ -14,17 +13,18 @@
 
 namespace least::tape {
 
-/// The nodes that one is made of, and itself, in the order of the tape.
+/// Returns the node `whole` and all nodes from which it is computed, in the order of the tape.
 std::vector<Index> parts_of(const Tape& tape, Index whole);
 
-/// On what a value depends, as bits: of kinds of variables, and the time as the last.
+/// Dependence is a bit set of the kinds of variables on which a value depends; the highest bit stands for the time.
 using Dependence = std::uint32_t;
 inline constexpr Dependence on_time = Dependence(1) << 31;
 
-/// Of the values of one tape, which may grow meanwhile; each node is looked at once.
+/// Dependences tells on which kinds of variables the values of one tape depend. The tape may grow between calls; each
+/// node is examined once.
 class Dependences {
  public:
-  /// `kind(i)`: the bits of the variable number i.
+  /// `kind(i)` returns the bits of variable number i.
   Dependences(const Tape& tape, std::function<Dependence(int variable)> kind) : tape_(tape), kind_(std::move(kind)) {}
   Dependence operator()(const Symbol& y);
 
@@ -34,33 +34,35 @@ class Dependences {
   std::vector<Dependence> of_;  ///< by node
 };
 
-/// ∂y/∂x of the variables with these numbers; what is zero whatever their values is the constant 0.
+/// Returns ∂y/∂x for the variables with these numbers, in this order. An entry is the constant 0 where y does not
+/// depend on the variable.
 std::vector<Symbol> gradient(Tape& tape, const Symbol& y, std::span<const int> variables);
 
-/// The same of `count` variables, the first of which has the number `first`: those that are not zero whatever the
-/// values, each with its place among them, in their order. `left`: operations that may be looked at, less those that
-/// were; throws TooManyOperations.
+/// Returns ∂y/∂x for the variables number first … first + count − 1 as pairs of (number − first, derivative) in
+/// ascending order, without those that are identically zero. `left` is the number of operations that may still be
+/// examined; the call reduces it by the operations of y and throws TooManyOperations if they are more.
 std::vector<std::pair<std::size_t, Symbol>> slopes_of(Tape& tape, const Symbol& y, int first, std::size_t count,
                                                       std::size_t& left);
 
-/// What becomes of terms that a tape keeps: they are kept, or their totals are written out, term by term.
+/// Whether a substitution keeps the terms of a tape as terms, or writes their totals out term by term.
 enum class Totals : std::uint8_t { kept, written_out };
 
-/// y as it stands on `from`, written on `to` with other symbols in the place of its variables; of time it is the same.
+/// Substitution writes values of the tape `from` on the tape `to`, with the symbol in_place_of(i) in the place of
+/// variable i. The time stays the time.
 class Substitution {
  public:
   Substitution(const Tape& from, Tape& to, std::function<Symbol(int variable)> in_place_of,
                Totals totals = Totals::kept)
       : from_(from), to_(to), in_place_of_(std::move(in_place_of)), totals_(totals) {}
   Symbol operator()(const Symbol& y) { return y.is_constant() ? y : at(y.place()); }
-  /// The same of what stands at a place.
+  /// The same for the node at `place` of `from`.
   Symbol at(Index place);
 
  private:
-  /// What a node is made of and was not made before, in the order of the tape, known from now on. Values that share
-  /// most of their parts, as the slopes of a product do, cost what all of them have together.
+  /// Returns the parts of a node that are not written yet, in the order of the tape, and marks them as known. Values
+  /// that share most of their parts, such as the derivatives of a product, thus cost each shared part once.
   std::vector<Index> unknown_parts(Index whole);
-  /// A sum of terms with their arguments substituted.
+  /// The sum of terms that the node stands for, with the arguments of the terms substituted.
   Symbol total(const Node& node);
   Index kept_terms(Index number);
   void write_out(Index number, std::vector<Symbol>& sums);
@@ -71,19 +73,19 @@ class Substitution {
   Totals totals_;
   std::vector<Symbol> made_;
   std::vector<bool> known_;
-  std::map<Index, Index> terms_;               ///< of terms on `from` those on `to`
-  std::map<Index, std::vector<Symbol>> sums_;  ///< the same, written out
+  std::map<Index, Index> terms_;               ///< the number of terms on `to` by their number on `from`
+  std::map<Index, std::vector<Symbol>> sums_;  ///< sums by the number of their terms on `from`, written out
 };
 
-/// A tape without terms, on which totals are written out, and where its roots stand.
+/// A tape without Terms, on which all totals are written out, and the places of its roots.
 struct PlainTape {
   Tape tape;
   std::vector<Index> roots;
 };
-/// How many operations that takes at most.
+/// Estimates the number of operations of the tape with its totals written out.
 std::size_t operations_written_out(const Tape& tape);
 inline constexpr Index most_written_out = 1 << 18;
-/// Throws TooManyOperations where it takes more than `most`.
+/// Writes the roots on a plain tape; throws TooManyOperations where that takes more than `most` operations.
 PlainTape written_out(const Tape& tape, std::span<const Index> roots, Index most);
 
 }  // namespace least::tape

@@ -1,7 +1,7 @@
-// A number of 106 bits as the unevaluated sum of two doubles, for reference solutions: computed by hardware where a
-// quad is software, with the range of a double. Needs sums that are not contracted. Sources: Dekker, Numerische
-// Mathematik 18, 224 (1971); Knuth, The Art of Computer Programming 2, 4.2.2; Hida, Li, Bailey, 15th IEEE Symposium on
-// Computer Arithmetic, 155 (2001).
+// DoubleDouble is a number of 106 bits, the unevaluated sum of two doubles, for reference solutions. It runs on
+// hardware, where quad arithmetic is software, but has the range of a double. It must be compiled without contraction
+// of sums and products. Sources: Dekker, Numerische Mathematik 18, 224 (1971); Knuth, The Art of Computer Programming
+// 2, 4.2.2; Hida, Li, Bailey, 15th IEEE Symposium on Computer Arithmetic, 155 (2001).
 #pragma once
 
 #include <cmath>
@@ -42,7 +42,7 @@ class DoubleDouble {
   constexpr DoubleDouble& operator+=(const DoubleDouble& b) { return *this = *this + b; }
   friend constexpr bool operator==(const DoubleDouble&, const DoubleDouble&) = default;
 
-  /// a + b, exactly; ordered: where |a| ≥ |b| or a = 0.
+  /// a + b, exactly; ordered_sum requires |a| ≥ |b| or a = 0.
   static constexpr DoubleDouble exact_sum(double a, double b) {
     const double sum = a + b, part = sum - a;
     return {sum, (a - (sum - part)) + (b - part)};
@@ -65,7 +65,7 @@ class DoubleDouble {
   double high_ = 0, low_ = 0;
 };
 
-/// One of the functions of one variable that a tape knows, by the quad precision library; √ too.
+/// A function of one variable that a tape knows, √ included, computed by the quad precision library.
 DoubleDouble elementary(tape::Op function, const DoubleDouble& x);
 /// Σ a_j b_{k−j}, first ≤ j ≤ last, of two series. Source: Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26, 1955 (2005).
 DoubleDouble convolve(const DoubleDouble* a, const DoubleDouble* b, std::size_t k, std::size_t first, std::size_t last);

@@ -7,8 +7,8 @@
 
 namespace least::tape {
 
-/// x with A x = b in the place of b, on a tape, where no pivot is a matter of numbers: rows with what is zero whatever
-/// the state are not taken for one. A, row by row, is spoilt.
+/// Solves A x = b on a tape and puts x in the place of b. A is n × n, row-major, and is overwritten. Symbols have no
+/// magnitude to choose a pivot by: the pivot is the first entry of its column that is not identically zero.
 void eliminate(std::vector<Symbol>& a, std::vector<Symbol>& b);
 
 }  // namespace least::tape

@@ -1,6 +1,6 @@
-// A tape made ready to be evaluated, in any number: a list of operations on registers. What it costs is a nanosecond or
-// two for each, of many alike less (core/tape/batches.hpp); nothing is allocated once a thread has evaluated the same
-// number of registers before.
+// Formula evaluates values of a tape in any number type, as a list of operations on registers. An operation costs a
+// nanosecond or two, less where many are alike (core/tape/batches.hpp). An evaluation allocates memory only when its
+// thread has not yet evaluated a formula of as many registers.
 #pragma once
 
 #include <array>
@@ -18,17 +18,19 @@
 namespace least::tape {
 
 class TermSums;
-/// Sums of the terms of a tape, by their numbers there, for all formulas of that tape.
+/// SharedSums are the prepared sums of the terms of a tape, by the number of the terms, for all formulas of that tape.
 using SharedSums = std::map<Index, std::shared_ptr<const TermSums>>;
 
 class Formula {
  public:
   Formula() = default;
-  /// The values of `outputs`, nodes of the tape, as functions of its variables and of the time. `shared`: sums that
-  /// formulas of this tape have in common are made ready once.
+  /// Prepares the nodes `outputs` of the tape as functions of its variables and of the time. Formulas of one tape that
+  /// are given the same `shared` prepare the sums they have in common once. Throws TooManyOperations if the formula
+  /// needs more registers than 16 bits can number.
   Formula(const Tape& tape, std::span<const Index> outputs, SharedSums* shared = nullptr);
 
-  /// out[i] of the variables x and the time t. As many variables are read as the tape has written.
+  /// Writes the value of output i at the variables x and the time t to out[i]. x has an entry for every variable of the
+  /// tape.
   template <class T, class S>
   void evaluate(const T* x, const S& t, T* out) const {
     if constexpr (std::is_same_v<T, double>) {
@@ -44,7 +46,7 @@ class Formula {
   }
 
   std::size_t outputs() const { return outputs_.size(); }
-  /// With those of all terms.
+  /// The number of operations, including those of all terms.
   std::size_t operations() const;
   bool in_batches() const { return batches_ != nullptr; }
 
@@ -172,7 +174,7 @@ class Formula {
   std::vector<Register> outputs_;
   std::vector<std::shared_ptr<const TermSums>> sums_;
   std::size_t registers_ = 0;
-  std::shared_ptr<const Batches> batches_;  ///< where there are many alike
+  std::shared_ptr<const Batches> batches_;  ///< null unless many operations are alike
 };
 
 }  // namespace least::tape

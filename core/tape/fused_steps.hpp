@@ -1,5 +1,5 @@
-// Operations of a formula of which several are computed at once, where that is what terms of many scenes are made of:
-// squares of distances, and their power −3/2. Every value is computed by the same operations in the same order.
+// Fused steps compute several operations of a formula at once, where these are common in the terms of scenes: squares
+// of distances, and their power −3/2. The arithmetic and its order, and so the bits, stay the same.
 #pragma once
 
 #include <vector>
@@ -18,10 +18,10 @@ enum class Fused : std::uint8_t {
 struct FusedStep {
   Operation operation;
   Fused fused = Fused::nothing;
-  bool absorbed = false;  ///< it is computed by a later one
+  bool absorbed = false;  ///< a later fused step computes it
 };
 
-/// One for each step of the translation, with the same operands by number.
+/// Returns one fused step for each step of the translation; operands keep their numbers.
 std::vector<FusedStep> fused(const Translation& from);
 
 }  // namespace least::tape

@@ -1,4 +1,4 @@
-// Which lane of a program is the product of two values: for core/tape/lowering.hpp.
+// LaneTable finds the lane of a program that is the product of two values (core/tape/lowering.hpp).
 #pragma once
 
 #include <utility>
@@ -10,7 +10,7 @@ namespace least::tape {
 /// A hash table, at most half full.
 class LaneTable {
  public:
-  /// The lane of the two in whichever order; where the program has none it is added as its last.
+  /// Returns the lane of a and b, in either order; it is appended to the program if there is none yet.
   constexpr Index of(Index a, Index b, Program& program) {
     if (a > b) std::swap(a, b);
     const std::size_t place = place_of(a, b, program);
@@ -26,7 +26,7 @@ class LaneTable {
 
  private:
   static constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-  /// Where the lane stands in the table, or the empty place for it.
+  /// Returns the slot of the lane in the hash table, or the empty slot for it.
   constexpr std::size_t place_of(Index a, Index b, const Program& program) const {
     const std::uint64_t both = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
     const std::size_t mask = places_.size() - 1;

@@ -1,4 +1,4 @@
-// Sums of many terms in the steps of a formula, which are added up as one step each.
+// LongSums finds sums of many terms in the steps of a formula, each of which can be added up as one step.
 #pragma once
 
 #include <span>
@@ -11,22 +11,22 @@ namespace least::tape {
 /// Calls f with each step that this one reads.
 template <class F>
 void for_each_operand(const Operation& step, F&& f) {
-  if (step.code == Code::variable) return;  // whose a is no step
+  if (step.code == Code::variable) return;  // its a is no step
   for (const Index part : {step.a, step.b, step.c})
     if (part != none) f(part);
 }
 
-/// Sums and differences of which each but the last is read by the next alone, as one sum where there are many.
+/// A long sum is a chain of many additions and subtractions, each of which but the last is read by the next one alone.
 class LongSums {
  public:
-  /// The terms are added to the head in this order, times their signs, 1 or −1.
+  /// The value of a sum is the step `head` plus the steps `terms`, in this order, times their signs, 1 or −1.
   struct Sum {
     Index head = none;
     std::vector<Index> terms;
     std::vector<double> signs;
   };
 
-  /// Of steps whose values at `ends` are asked for.
+  /// Finds the long sums of steps; the values of the steps `ends` are the outputs.
   LongSums(std::span<const Operation> steps, std::span<const Index> ends);
 
   /// The sum whose value is that of the step; null where the step is no long sum.
@@ -34,7 +34,7 @@ class LongSums {
     const Index sum = sum_of_[static_cast<std::size_t>(step)];
     return sum == none ? nullptr : &sums_[static_cast<std::size_t>(sum)];
   }
-  /// Whether the step is one of the sums within a long sum.
+  /// Whether the step is an intermediate sum of a long sum, whose value nothing else reads.
   bool absorbs(Index step) const { return absorbed_[static_cast<std::size_t>(step)]; }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace least::tape {
 
-/// Leaves out the terms of what has become part of something else.
+/// Drops the values and products of the lists that no step refers to any more.
 constexpr void gather(Program& program) {
   std::vector<Program::Value> values;
   std::vector<Program::Product> products;
@@ -30,8 +30,9 @@ constexpr void gather(Program& program) {
   program.products = std::move(products);
 }
 
-/// sin and cos of p a, a linear in time, of which two known pairs have factors that add up to p, begin as sums of
-/// products of these: of many harmonics only the first costs a call. Rounding adds up: of so many calls, then anew.
+/// Lets order 0 of sin and cos of p a, a linear in time, follow by the addition theorems where the factors p of two
+/// earlier pairs add up to p: of many harmonics only the first costs a call. Rounding errors add up, so a pair may
+/// combine `most_calls` calls at most; the next one calls the functions anew.
 constexpr void start_by_addition(Program& program) {
   constexpr std::size_t most_pairs = 64;
   constexpr int most_calls = 16;
@@ -64,7 +65,8 @@ constexpr void start_by_addition(Program& program) {
   }
 }
 
-/// Two slots lie side by side in a half of four: the other factors are those, exchanged.
+/// Gives lanes their slots. The two slots of a lane lie side by side in one half of a four, so that the higher factors
+/// of a four are its lower ones with neighbours exchanged.
 constexpr void place_lanes(Program& program) {
   const std::size_t lanes = program.lane_a.size();
   program.low.reserve(2 * lanes + 4);
@@ -82,12 +84,12 @@ constexpr void place_lanes(Program& program) {
       add(a, b);
       if (!square) add(b, a);
     }
-  while (program.low.size() % 4 != 0) add(program.low.back(), program.low.back());  // of no use
+  while (program.low.size() % 4 != 0) add(program.low.back(), program.low.back());  // padding
 }
 
-/// From one order to the next the way leads through what is known last: of the two factors of a product that is to be
-/// the second. How late: about, in operations from where an order begins, at which the variables are known whose rates
-/// are computed.
+/// Makes that factor of each product the second one which is known later within an order: steps add the terms with the
+/// second factor last, which shortens the chain of dependences from one order to the next. `late` is roughly the number
+/// of operations from the beginning of an order, where the variables are known, until a value is known.
 constexpr void place_late_factors_last(Program& program) {
   std::vector<int> late(static_cast<std::size_t>(program.rows), -4);
   const auto of = [&](Index value) -> int& { return late[static_cast<std::size_t>(value)]; };
@@ -109,8 +111,8 @@ constexpr void place_late_factors_last(Program& program) {
   }
 }
 
-/// Of a tape the rates ẋ of the variables, in their order; the first `most` of them are the motion, which what follows
-/// after them does not change by a bit.
+/// Returns the program of the rates ẋ of all variables, nodes of the tape in the order of the variables. The first
+/// `most` variables are the motion; the rates of the others do not change the motion by a bit.
 constexpr Program lowered(const Tape& tape, std::span<const Index> rates, std::size_t most) {
   Program program;
   program.variables = rates.size();
@@ -128,7 +130,7 @@ constexpr Program lowered(const Tape& tape, std::span<const Index> rates, std::s
   lowering.lower(rates.first(most));
   program.motion_steps = program.steps.size();
   program.motion_lanes = program.lane_a.size();
-  if (most < rates.size()) {  // how long steps are is a matter of the motion
+  if (most < rates.size()) {  // step lengths, which these flags and lists decide on, are a matter of the motion
     const bool converges = program.whole, ends = program.partial;
     const std::size_t seen = program.switches.size(), known = program.poles.size();
     lowering.lower(rates.subspan(most));

@@ -1,4 +1,4 @@
-// How nodes of a tape become steps of a program: for core/tape/lowered.hpp.
+// Lowering makes the steps of a program from the nodes of a tape (core/tape/lowered.hpp).
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace least::tape {
 
-/// What a node comes to: a constant and a sum of values and products.
+/// Form is a node as a constant plus values and products with factors, in the lists of the program.
 struct Form {
   double constant = 0;
   Index first_value = 0, values = 0, first_product = 0, products = 0;
@@ -16,8 +16,8 @@ struct Form {
   constexpr Index terms() const { return values + products; }
 };
 
-/// In a bounded number of operations a node: what was made is looked up by row or lane, sums are kept before they are
-/// long.
+/// The work per node is bounded: known values are looked up by row or lane, and a sum becomes a value of its own before
+/// it is long.
 class Lowering {
  public:
   constexpr Lowering(const Tape& tape, Program& program)
@@ -31,7 +31,7 @@ class Lowering {
     rows_.reserve(4 * size(tape.size()));
   }
 
-  /// Everything that these need.
+  /// Makes steps for the nodes `roots` and all that they need; the values of the roots become rates.
   constexpr void lower(std::span<const Index> roots) {
     std::vector<bool> wanted(size(tape_.size()), false);
     for (const Index root : roots) wanted[size(root)] = true;
@@ -42,7 +42,7 @@ class Lowering {
             wanted[size(part)] = true;
             if (!lowered_[size(part)]) ++uses_[size(part)];  // what has been lowered stays as it is
           }
-    // What is needed first comes first, whatever the order in which a compiler had the operands written.
+    // In the order of need: compilers evaluate operands, and so write tapes, in different orders.
     std::vector<Index> path;
     path.reserve(size(tape_.size()));
     for (const Index root : roots)
@@ -64,14 +64,15 @@ class Lowering {
   }
 
  private:
-  static constexpr Index most_terms = 40;  ///< of a sum that goes on in another one, which copies them
-  /// What is known of a value: where k times its coefficients stand; the step that makes it, among those linear in time
-  /// or among the others; where it was put last as a term of a sum; the last one of its pairs.
+  static constexpr Index most_terms = 40;  ///< of a sum that is still copied into the sums that use it
+  /// What is known of a value: the value that holds k times its coefficients; the step that computes it, in `linear` or
+  /// in `steps`; the place where it was last put as a term of a sum; the last function pair of which it is the
+  /// argument.
   struct Row {
     Index weighted = none, step = none, term = none, pair = none;
     bool linear = false;
   };
-  /// The same of a lane: as a term; the sum that is nothing but this product.
+  /// What is known of a lane: the place where it was last put as a term of a sum; the value that is this product alone.
   struct Lane {
     Index term = none, step = none;
   };
@@ -79,7 +80,7 @@ class Lowering {
   static constexpr std::size_t size(Index i) { return static_cast<std::size_t>(i); }
   constexpr Form& form(Index node) { return forms_[size(node)]; }
 
-  /// An operand of a node that is not lowered yet; none.
+  /// Returns an operand of the node that is not lowered yet, or none.
   constexpr Index missing_part(Index i) const {
     for (const Index part : {tape_[i].a, tape_[i].b, tape_[i].c})
       if (part != none && !lowered_[size(part)]) return part;
@@ -91,7 +92,7 @@ class Lowering {
     return program_.rows++;
   }
   constexpr Row& row(Index value) { return rows_[size(value)]; }
-  /// Where k times the coefficients of a value stand.
+  /// Returns the value that holds k times the coefficients of a value, which is made when first needed.
   constexpr Index weighted(Index value) {
     if (row(value).weighted == none) {
       const Index made = new_value();
@@ -132,7 +133,7 @@ class Lowering {
     program_.products.push_back({a, b, lane(a, b), factor});
     return made;
   }
-  /// Puts a term to the last `count` of a list, from `first` on; `known`: where one like it was put last.
+  /// Puts a term into the last `count` of a list, from `first` on; `known` is where an equal term was put last.
   template <class Term>
   static constexpr void put(std::vector<Term>& list, const Term& term, Index Term::*what, Index& known, Index first,
                             Index& count) {
@@ -163,7 +164,7 @@ class Lowering {
     return made;
   }
 
-  /// The value that a node is.
+  /// Returns the value of a node, for which a step is made when it is first needed.
   constexpr Index keep(Index node) {
     Index& value = kept_[size(node)];
     if (value == none) {
@@ -188,7 +189,7 @@ class Lowering {
     }
     return value;
   }
-  /// A node as a factor times a value.
+  /// Returns a node as a value and a factor.
   constexpr std::pair<Index, double> scaled(Index node) {
     const Form f = form(node);
     if (f.constant == 0 && f.values == 1 && f.products == 0) {
@@ -275,7 +276,7 @@ class Lowering {
     }
     finish(step);
   }
-  /// A pair of functions each of which is the derivative of the other, but for a sign.
+  /// sin and cos, or sinh and cosh: each is the derivative of the other, but for a sign.
   constexpr Form pair(Op asked, Op odd, Op even, double sign, Index node) {
     const auto [a, p] = scaled(node);
     for (Index i = row(a).pair; i != none; i = pairs_[size(i)].before) {
@@ -289,7 +290,7 @@ class Lowering {
     row(a).pair = static_cast<Index>(pairs_.size()) - 1;
     return of_value(asked == odd ? first : second);
   }
-  /// exp, tan and tanh: their own derivatives, or made of themselves: w = 1 ± out².
+  /// exp, tan and tanh, whose derivative w is out (`sign` 0) or 1 ± out² (`sign` ±1).
   constexpr Form self(Op f, Index node, double sign) {
     const auto [a, p] = scaled(node);
     const Index out = new_value(), w = sign == 0 ? out : new_value();
@@ -379,7 +380,7 @@ class Lowering {
 
   struct Pair {
     Op odd;
-    Index before;  ///< of the same value
+    Index before;  ///< the pair before, of the same argument
     double p;
     Index first, second;
   };

@@ -1,4 +1,5 @@
-// What a tape is lowered to before it is evaluated: one operation after the other, each with a value of its own.
+// Operation is one step of an evaluation. A tape is translated to a list of them (core/tape/translation.hpp), each with
+// a value of its own.
 #pragma once
 
 #include <cstdint>
@@ -33,11 +34,11 @@ enum class Code : std::uint8_t {
   asin,
   acos,
   select,  ///< b where a < 0, else c
-  add_up,  ///< all sums of the terms number `value`
-  total    ///< sum number `value` of those that a adds up
+  add_up,  ///< computes all sums of the terms number `value`
+  total    ///< sum number `value` of those that step a computes
 };
 
-/// a, b and c are earlier operations by their number; of `variable`, a is which one.
+/// a, b and c are the numbers of earlier operations; for `variable`, a is the number of the variable.
 struct Operation {
   Code code;
   Index a = none, b = none, c = none;

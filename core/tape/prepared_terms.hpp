@@ -1,5 +1,6 @@
-// The formula of terms made cheaper before it is evaluated for many: what follows from the numbers of a term alone is
-// one number, an argument like others; factors that are numbers are collected, and signs go with what is added.
+// PreparedTerms makes the formula of terms cheaper before it is evaluated for many terms. What follows from the
+// constant arguments of a term alone is computed once and becomes one constant argument; constant factors are
+// collected, and signs of results are left to the additions.
 #pragma once
 
 #include <span>
@@ -11,20 +12,20 @@ namespace least::tape {
 
 class PreparedTerms {
  public:
-  /// What the terms add: the value at a place of the formula, or its opposite.
+  /// A result of the terms: the value of a node of the formula, or its opposite.
   struct Result {
     Index place = none;
     bool negated = false;
   };
 
-  /// Of terms on the tape.
+  /// Prepares terms that the tape keeps.
   PreparedTerms(const Tape& tape, const Terms& terms);
 
-  /// Of one term, on a tape of its own.
+  /// The formula of one term, on a tape of its own.
   const Tape& formula() const { return formula_; }
   const std::vector<Result>& results() const { return results_; }
-  /// Of each argument of the formula what it is of every term, where that is a number; else nothing. Those beyond the
-  /// arguments of the terms are numbers.
+  /// numbers()[argument][term] is the value of an argument that is a constant in every term; the list of any other
+  /// argument is empty. Arguments beyond those of the terms are constants that were computed here.
   const std::vector<std::vector<double>>& numbers() const { return numbers_; }
 
  private:

@@ -1,5 +1,5 @@
-// How a program is read: order by order, batches of like steps (core/tape/step_batches.hpp) by as many at a time as a
-// register holds, the others one by one.
+// SeriesReading interprets a program order by order: batches of like steps (core/tape/step_batches.hpp) run as many
+// steps at a time as a register holds numbers, the other steps one by one.
 #pragma once
 
 #include "core/tape/series_rules.hpp"
@@ -9,16 +9,17 @@ namespace least::tape {
 
 class SeriesReading {
  public:
-  /// Of the program, which it puts in order. Registers hold `widest` numbers at most: results do not depend on it.
+  /// Prepares the program, whose steps and values it reorders. `widest` is the most numbers that a register may hold;
+  /// results do not depend on it.
   explicit SeriesReading(Program& program, std::size_t widest = StepBatches::width);
 
-  /// How many numbers a row takes, with what lies between the values.
+  /// The numbers of a row of values, padding included.
   std::size_t stride() const { return stride_; }
-  /// In memory, about, beside the rows.
+  /// Approximate memory, without the rows.
   std::size_t bytes() const;
-  /// Order 0 of all values, from the variables and the time that stand there. `bounded`: as in Series::expand.
+  /// Computes order 0 of all values from the variables and the time in `row`. `bounded`: as in Series::expand.
   void begin(const Program& program, double* row, bool bounded);
-  /// All orders of all values, from order 0.
+  /// Computes all orders of all values from order 0.
   void expand(const Program& program, const Workspace& of);
 
  private:
@@ -31,7 +32,7 @@ class SeriesReading {
   void expand_by_four(const Program& program, const Workspace& of);
   void expand_by_eight(const Program& program, const Workspace& of);
 
-  /// Variables whose rates stand one after the other, as they do.
+  /// Consecutive variables whose rates are consecutive values.
   struct Rates {
     Index variable, rate;
     std::size_t count;
@@ -40,13 +41,13 @@ class SeriesReading {
   StepBatches batches_;
   std::size_t widest_;
   std::vector<Rates> rates_;
-  std::vector<std::size_t> weighted_;  ///< variables of which k times the coefficients are read
+  std::vector<std::size_t> weighted_;  ///< variables for which k times the coefficients are needed
   std::size_t stride_;
   std::vector<StepFactors> gains_;    ///< by step of the program
   std::vector<ProductEnds> ends_;     ///< by product
   std::vector<double> half_;          ///< by value
-  std::vector<double> older_, sums_;  ///< by lane, without the terms of the last order and with them
-  std::vector<double> scratch_;       ///< of batches
+  std::vector<double> older_, sums_;  ///< by lane: as in KnownOf
+  std::vector<double> scratch_;       ///< room for batches
 };
 
 }  // namespace least::tape

@@ -1,7 +1,6 @@
-// How the coefficients of a series follow from those before them, rule by rule (core/tape/program.hpp). Written once
-// for both that run programs: the interpreter, which reads them in batches or step by step
-// (core/tape/batch_passes.hpp), and what the compiler makes of one whose structure it knows (core/tape/unrolled.hpp).
-// What they compute is the same to the bit.
+// Rules says how the coefficients of order k of a step follow from known ones, rule by rule (core/tape/program.hpp). It
+// is written once for both the interpreter, which runs steps in batches or one by one (core/tape/batch_passes.hpp), and
+// for programs that are unrolled at compile time (core/tape/unrolled.hpp). Both compute the same bits.
 #pragma once
 
 #include <array>
@@ -11,7 +10,7 @@
 #include "core/tape/program.hpp"
 #include "core/tape/series.hpp"
 
-// Of lambdas that are straight code: one that a compiler leaves out of line takes all through memory.
+// For lambdas that must be inlined: one that the compiler leaves out of line passes all its captures through memory.
 #define LEAST_INLINE __attribute__((always_inline))
 
 namespace least::tape {
@@ -24,13 +23,13 @@ inline constexpr auto inverses = [] {
   return all;
 }();
 
-/// The lists of a program, wherever they are.
+/// The lists of values and products of a program.
 struct Lists {
   const Program::Value* values;
   const Program::Product* products;
 };
 
-/// What a row of values holds: a number each, or as many as a batch of steps has side by side
+/// NumberOf<Row> is what a row holds for each value: one number, or a register of numbers of the steps of a batch
 /// (core/tape/batch_passes.hpp).
 template <class Row>
 struct NumberIn {
@@ -45,9 +44,9 @@ using NumberOf = typename NumberIn<std::remove_cvref_t<Row>>::Type;
 /// Writes the value at a place of a row.
 inline void put(double* row, Index place, const double& value) { row[place] = value; }
 
-/// Σ lowⱼ high_{k−j} of a group of slots over 1 < j < k/2, and half of it where j = k/2: what is older than the last
-/// order, from the middle outwards, so that the newest come last. Of every order there stand the groups of the factors
-/// that are of the lower order, then those of the higher, `all` of each.
+/// Sums lowⱼ high_{k−j} of a four of slots over 1 < j < k/2, plus half of the term with j = k/2. These terms do not
+/// need order k − 1. They go from the middle outwards, so that those known last come last. `orders` has, for every
+/// order, `all` fours of the lower factors, then `all` fours of the higher ones.
 [[gnu::always_inline]] inline void sum_slots(const Four* orders, std::size_t all, std::size_t k, Four& sum) {
   const std::size_t stride = 2 * all;
   sum.lane = Four{}.lane;
@@ -68,9 +67,9 @@ inline void put(double* row, Index place, const double& value) { row[place] = va
     sum.lane += (low - stride)->lane * (high + stride)->lane;
   }
 }
-/// The same of groups, of the orders 2 m + 1 and 2 m + 2 at once: what the second needs is known before the first. Few
-/// groups have the higher factors of the newest two orders, 2 m − 1 and 2 m, from registers: they have hardly been
-/// written.
+/// The same sums of several fours for the orders k = 2 m + 1 (`odd`) and 2 m + 2 (`even`) at once, which need orders up
+/// to 2 m only. Where there are few fours, the higher factors of the newest orders, 2 m − 1 (`before`) and 2 m
+/// (`newest`), come from registers, because their stores have hardly been completed.
 template <std::size_t Groups>
 [[gnu::always_inline]] inline void sum_two(const Four* orders, std::size_t all, std::size_t m, const Four* before,
                                            const Four* newest, Four* odd, Four* even) {
@@ -95,13 +94,13 @@ template <std::size_t Groups>
 #pragma GCC unroll 16
   for (std::size_t g = 0; g < Groups; ++g) even[g].lane += low[g].lane * newest[g].lane;
 }
-/// Of a lane that has two slots; of a square, which has one, half of it.
+/// The sum of the two slots of a lane; for a square, which has one slot, that is half of its convolution.
 inline double sum_of(const double* slots, bool square) { return square ? slots[0] : slots[0] + slots[1]; }
 
 double value_of(Op function, double x);
 
-/// Order 0 of the two factors of a product, with its own factor; and what its sums are multiplied with, twice that of a
-/// square.
+/// What a product `term` of a sum needs in every order: order 0 of its two factors, a and b, times its constant factor,
+/// and the factor of its lane, which is doubled for a square.
 template <class T>
 struct EndsOf {
   T a, b, sums;
@@ -112,27 +111,27 @@ template <class Product, class T, class Row>
   return {factor * row[term.a], factor * row[term.b], term.a == term.b ? T(2 * factor) : factor};
 }
 
-/// What is known when order k is computed.
+/// KnownOf is what is known when order k is computed.
 template <class Row, class Ends>
 struct KnownOf {
   double order, part;  ///< k, 1/k
   Row second;          ///< order 1
-  Row half;            ///< what the terms of order k − 1 are multiplied with in sums: order 1, half of it where k = 2
+  Row half;            ///< the factor of order k − 1 in convolutions: order 1, half of it for k = 2, zero for k = 1
   Row last;            ///< order k − 1
-  Row older;           ///< sums of lanes without these terms
-  Row sums;            ///< with them
+  Row older;           ///< by lane: its convolution without the terms with order k − 1
+  Row sums;            ///< by lane: the same with these terms
   Ends ends;
 };
 using Known = KnownOf<const double*, const ProductEnds*>;
 
-/// What the new terms of a step are multiplied with: follows from order 0.
+/// The factors of the terms with order k of a step. They follow from order 0.
 template <class T>
 struct FactorsOf {
   T inverse{}, a{}, b{};
 };
 using StepFactors = FactorsOf<double>;
 
-/// Powers of distances are halves.
+/// x^p; the exponents −3/2, −1/2 and 3/2, frequent in forces between points, are faster by roots.
 inline double power_of(double x, double p) {
   if (p == -1.5) return 1 / (x * std::sqrt(x));
   if (p == -0.5) return 1 / std::sqrt(x);
@@ -140,7 +139,7 @@ inline double power_of(double x, double p) {
   return std::pow(x, p);
 }
 
-/// f of a number and another, or of each of several that stand side by side.
+/// out = f(x, y) for numbers, or lane by lane for vectors.
 template <class T, class F>
 [[gnu::always_inline]] inline void of_each(F f, const T& x, const T& y, T& out) {
   if constexpr (std::is_same_v<T, double>) {
@@ -150,9 +149,10 @@ template <class T, class F>
   }
 }
 
-/// Rules as a pass takes them. Places stand in `structure` and in a step s, numbers in `numbers` and in the step n: the
-/// same lists and step twice where a program is read, constants and the program where it is known to the compiler. Of a
-/// batch of steps alike a place tells of several at once, and every number is that of each of them.
+/// Rules computes steps. The places of operands come from `structure` and a step s, the constant factors from `numbers`
+/// and a step n. An interpreted program passes the same lists and step twice; an unrolled one passes its constexpr
+/// structure and the program. In a batch of like steps, a place stands for a column of places, and a number for one
+/// number per step.
 template <bool unrolled, class Structure = Lists, class Numbers = Lists>
 struct Rules {
   static constexpr Index many = 8;
@@ -169,7 +169,7 @@ struct Rules {
     }
   }
 
-  /// Of order 0, added up.
+  /// The sum of the products of a step at order 0.
   template <class S, class Row>
   [[gnu::always_inline]] inline void add_products(const S& s, const Row& row, NumberOf<Row>& sum) const {
     const auto products = structure.products + s.first_product;
@@ -179,7 +179,7 @@ struct Rules {
          [&](std::size_t i) LEAST_INLINE { sum += by[i].factor * (row[products[i].a] * row[products[i].b]); });
   }
 
-  /// Order 0: the value itself.
+  /// Computes order 0 of a step, that is, the value itself.
   template <class S, class N, class Row>
   [[gnu::always_inline]] inline void begin(const S& s, const N& n, const Row& row) const {
     using T = NumberOf<Row>;
@@ -227,7 +227,7 @@ struct Rules {
     put(row, s.out, out);
   }
 
-  /// What the terms of order 0 are multiplied with in every order.
+  /// Returns the factors, known from order 0, of the terms with order k in every order k.
   template <class S, class N, class Row>
   [[gnu::always_inline]] static inline FactorsOf<NumberOf<Row>> gain_of(const S& s, const N& n, const Row& row) {
     using T = NumberOf<Row>;
@@ -259,8 +259,8 @@ struct Rules {
     }
   }
 
-  /// Order k of a step. From one order to the next the way leads through the terms that are new: they are multiplied
-  /// once and come last.
+  /// Computes order k of a step. The chain of dependences from one order to the next goes through the terms with order
+  /// k, so these are multiplied only once and come last.
   template <class S, class N, class AllKnown, class Row>
   [[gnu::always_inline]] inline void advance(const S& s, const N& n, const AllKnown& of,
                                              const FactorsOf<NumberOf<Row>>& gain, const Row& row) const {
@@ -269,7 +269,7 @@ struct Rules {
     const auto &half = of.half, &last = of.last;
     const double part = of.part;
     switch (s.rule) {
-      case Rule::sum: {  // what is known early comes first; of the factors of a product it is the second that is late
+      case Rule::sum: {  // what is known early comes first; the second factor of a product is known last
         const auto products = structure.products + s.first_product;
         const auto values = structure.values + s.first_value;
         const auto factors = numbers.values + s.first_value;
@@ -281,7 +281,7 @@ struct Rules {
         each(s.products, [&](std::size_t i) LEAST_INLINE {
           if (products[i].a != products[i].b) out += row[products[i].a] * end[i].b;
         });
-        if (s.values > many) {  // four sums, which do not wait for each other
+        if (s.values > many) {  // four partial sums, which do not wait for each other
           std::array<T, 4> fours{};
           each(s.values, [&](std::size_t i) LEAST_INLINE { fours[i % 4] += factors[i].factor * row[values[i].value]; });
           out += (fours[0] + fours[1]) + (fours[2] + fours[3]);

@@ -1,4 +1,4 @@
-// Products that more than one sum has.
+// Products that several sums of a program contain.
 #pragma once
 
 #include "core/tape/program.hpp"

@@ -1,7 +1,7 @@
-// Where a polynomial c₀ + c₁t + …, as a series has it of what a formula is chosen by, leaves the side of 0 on which it
-// begins: none of its zeros is passed over, however close two of them lie. On a stretch of time that is halved until it
-// says so, the polynomial about the middle has no zero, or one at most, where its first terms outweigh all others.
-// Source: Moore, Interval Analysis, 1966, chapters 3 and 7.
+// first_change finds where a polynomial c₀ + c₁t + …, the series of a value whose sign chooses a formula, first changes
+// its sign. It passes over no zero, however close two of them lie: a stretch of time is halved until the expansion
+// about its middle proves that it has no zero, or at most one, because its first terms outweigh all others. Source:
+// Moore, Interval Analysis, 1966, chapters 3 and 7.
 #pragma once
 
 #include <cstddef>
@@ -16,16 +16,16 @@ struct Stretch {
   double low, high;
 };
 
-/// The value at a time.
+/// Returns Σ cₖ timeᵏ.
 double value_at(std::span<const double> c, double time);
 
-/// How far, at most `end`, such a series of a value says what the value is: up to where its last two terms come to the
-/// part `tolerance` of its largest one. A smooth motion may be asked for what changes much faster than it.
+/// Returns how far, at most `end`, the truncated series c represents its value: up to the time where its last two terms
+/// reach `tolerance` times its largest term. Such a value may change much faster than the motion itself.
 double told_until(std::span<const double> c, double end, double tolerance);
 
-/// Of [0, end] the first stretch at whose end the side has changed, and on which it changes once; at a zero the value
-/// is not negative. None where it stays on its side, or touches zero for no longer than rounding can tell. At most
-/// `most_terms` coefficients.
+/// Returns the first stretch of [0, end] at whose end the value is no longer on its side of zero (below if `negative`),
+/// and on which it changes sides once; zero counts as above. Returns nothing where the side never changes, or only for
+/// a time too short to be told from rounding. c has at most `most_terms` coefficients.
 std::optional<Stretch> first_change(std::span<const double> c, double end, bool negative);
 
 }  // namespace least::tape

@@ -1,8 +1,8 @@
-// Jacobians of formulas of many variables, of which each output reads few: the entries that are not zero whatever the
-// state are found on the tape, and columns that share no row are differentiated at once by one dual number. Of a chain
-// that takes three directions, however long it is. Of few variables and short formulas the entries are written as
-// formulas of their own, which cost less than dual numbers and share what they have in common with the outputs. Source:
-// Curtis, Powell, Reid, IMA J. Appl. Math. 13, 117 (1974).
+// SparseJacobian computes Jacobians of formulas of many variables, of which each output reads few. It finds the entries
+// that are not identically zero on the tape, and differentiates columns that share no row at once along one direction
+// of dual numbers: a chain takes three directions, however long it is. With few variables and short formulas, the
+// entries are formulas of their own, which are cheaper than dual numbers and share subexpressions with the outputs.
+// Source: Curtis, Powell, Reid, IMA J. Appl. Math. 13, 117 (1974).
 #pragma once
 
 #include <algorithm>
@@ -21,25 +21,25 @@ namespace least::tape {
 
 class SparseJacobian {
  public:
-  /// Of a Hessian, whose outputs are the derivatives of one function, each entry off the diagonal is known twice.
+  /// The outputs of a Hessian are the derivatives of one function, so entries off the diagonal are equal in pairs.
   enum class Kind : std::uint8_t { general, hessian };
-  /// Variables up to which entries may be written as formulas.
+  /// The most variables and outputs for which entries may be formulas.
   static constexpr std::size_t few = 8;
 
-  /// Of outputs on a tape by its first variables, so many.
+  /// Prepares ∂outputs/∂x for nodes of the tape and its first `variables` variables.
   SparseJacobian(const Tape& tape, std::span<const Index> outputs, std::size_t variables, Kind kind = Kind::general);
 
   const SparsityPattern& pattern() const { return pattern_; }
-  /// Of its entries, in memory.
+  /// Approximate memory in bytes.
   std::size_t bytes() const;
   /// Whether its entries are formulas.
   bool is_written_out() const { return !written_.empty(); }
-  /// What one costs, in evaluations; with the values of the outputs, one at least.
+  /// The cost of a Jacobian in evaluations: one for each direction, or 1 if the entries are formulas.
   std::size_t evaluations() const { return is_written_out() ? 1 : columns_.size(); }
 
-  /// Calls take(row, column, ∂out_row/∂x_column) for every entry of the pattern; `formula` is that of the outputs,
-  /// whose values are left in `values` unless that is null. Where it is not to go on (AskedByThread), which it asks of
-  /// many variables only, it leaves the rest out.
+  /// Calls take(row, column, ∂out_row/∂x_column) for every entry of the pattern. `formula` evaluates the outputs, whose
+  /// values are written to `values` unless it is null. With many variables, it stops and leaves out the rest of the
+  /// entries when AskedByThread::goes_on() says so.
   template <class Take>
   void evaluate(const Formula& formula, const double* x, double t, Take&& take, double* values = nullptr) const {
     if (is_written_out()) {
@@ -70,12 +70,12 @@ class SparseJacobian {
  private:
   static constexpr std::size_t at_once = 4;
   using Directions = Dual<double, int(at_once)>;
-  /// Variables that no output reads two of.
+  /// Columns that share no row: variables no two of which are read by the same output.
   struct Columns {
     std::vector<std::uint32_t> variables;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;
   };
-  /// An entry, and which one of the formulas it is.
+  /// An entry and the number of its formula.
   struct Written {
     std::uint32_t row, column, place;
   };

@@ -18,7 +18,7 @@
 
 namespace least::tape {
 
-/// The kind of a function that is steep in its argument, whatever that is.
+/// Returns the kind of a steep function; nothing for the other functions.
 constexpr std::optional<SteepArgument::Kind> steepness(Op function) {
   using Kind = SteepArgument::Kind;
   switch (function) {
@@ -34,28 +34,29 @@ constexpr std::optional<SteepArgument::Kind> steepness(Op function) {
   }
 }
 
-/// Of a program that series are made of, those that its motion depends on: arguments are values of the program.
+/// Returns the steep functions on which the motion of a program depends; their arguments are values of the program.
 std::vector<SteepArgument> steep_arguments(const Program& program);
-/// Of a tape, those that the outputs depend on: arguments are nodes of the tape.
+/// Returns the steep functions on which the outputs depend; their arguments are nodes of the tape.
 std::vector<SteepArgument> steep_arguments(const Tape& tape, std::span<const Index> outputs);
 
-/// Whether the motion of a program depends on what may hide ahead without a steep function: on polynomials and
-/// quotients of a high degree, and on roots of x or x² + ε², whose singularities may be as faint as one likes.
+/// Whether the motion of a program may change abruptly ahead although no steep function tells of it: it depends on
+/// polynomials or quotients of high degree, or on roots of x or x² + ε², whose singularities may be arbitrarily faint.
 bool may_conceal(const Program& program);
-/// Values of which the motion takes roots, or other powers between 0 and 1: where they vanish, it may branch.
+/// Returns the values of which the motion takes roots or other powers between 0 and 1. Where they vanish, the motion
+/// may branch.
 std::vector<Index> branch_values(const Program& program);
 
-/// An argument at so many times of a step, equally spaced from its beginning to its end.
+/// SteepLooks are samples of an argument at `steep_looks` equally spaced times of a step, both ends included.
 inline constexpr std::size_t steep_looks = 17;
 using SteepLooks = std::array<double, steep_looks>;
 
-/// E-foldings that a step may go through: of a series of high order, and of a Runge–Kutta pair, whose estimates of
-/// their errors have to see them.
+/// The most e-foldings that a steep argument may move in a step of a series of high order, and in a step of a
+/// Runge–Kutta pair, whose error estimate has to notice them.
 inline constexpr double most_of_series = 12, most_of_pair = 2;
 
-/// How much of a step of the length h is resolved, at most h. `value(time)` is the argument at a time from the
-/// beginning of the step, of which `looks` are known; it may go through `most` e-foldings. Extrema between looks are
-/// found by parabolas.
+/// Returns the time, at most h, in which an argument moves by `most` e-foldings, up and down added up: a step of the
+/// length h is resolved that far. `value(time)` is the argument at a time from the beginning of the step, and `looks`
+/// are its samples. Extrema between samples are found by parabolas.
 template <class Value>
 double resolved_length(const SteepArgument& steep, double h, double most, const SteepLooks& looks, Value&& value) {
   struct Look {
@@ -66,7 +67,7 @@ double resolved_length(const SteepArgument& steep, double h, double most, const 
   std::size_t count = 0;
   const auto time = [h](std::size_t i) { return h * static_cast<double>(i) / (steep_looks - 1); };
   const auto look = [&](std::size_t i) { return Look{time(i), looks[i]}; };
-  // By the parabola through three looks, the outer two of which are drawn in to it.
+  // Parabolas through three looks, again and again: each extremum replaces one of the outer looks.
   const auto add_extremum = [&](Look a, Look b, Look c, double low, double high) {
     bool found = false;
     for (int i = 0; i < refinements; ++i) {
@@ -94,7 +95,7 @@ double resolved_length(const SteepArgument& steep, double h, double most, const 
   for (std::size_t i = 1; i < count; ++i) {
     const double from = steep.foldings(way[i - 1].value), by = std::abs(steep.foldings(way[i].value) - from);
     if (!(moved + by > most)) {
-      if (by > 0) moved += by;  // else it is no number there
+      if (by > 0) moved += by;  // else it is NaN there
       continue;
     }
     double low = way[i - 1].time, high = way[i].time;
@@ -107,8 +108,8 @@ double resolved_length(const SteepArgument& steep, double h, double most, const 
   return h;
 }
 
-/// A step that is no series, by the states and the rates at its ends. Of its components the first ones are the motion,
-/// and the variables of a tape.
+/// SteepStep is a step of a method without series, with states and rates at both ends. The first `moving` of its
+/// `components` are the motion and the first variables of the tape.
 struct SteepStep {
   struct End {
     double t;
@@ -118,21 +119,22 @@ struct SteepStep {
   End start, end;
   std::size_t moving, components;
   void (*rate)(const void* problem, double t, const double* state, double* rate);
-  /// Writes the variables of the tape that are functions of the others, where there are some.
+  /// Writes those variables of the tape that are functions of the others; null if there are none.
   void (*complete)(const void* problem, double t, double* variables) = nullptr;
   const void* problem = nullptr;
 };
 
-/// What steps by error estimates alone may jump over in equations of motion on a tape: steep functions, and places
-/// where a choice between two formulas changes.
+/// SteepForces finds what a step controlled by error estimates alone may jump over in equations of motion on a tape:
+/// steep functions, and zeros at which the choice between two formulas changes.
 class SteepForces {
  public:
   SteepForces(const Tape& tape, std::span<const Index> rates);
 
   bool empty() const { return steep_.empty() && switches_.outputs() == 0; }
-  /// How much of a step is resolved, or somewhat less: up to the first change of a choice. It is looked at along the
-  /// cubic polynomials through its ends; half of a step in which these go astray by more than the tolerance, for which
-  /// rates are evaluated so many times.
+  /// Returns how much of the step, in time, is resolved (or somewhat less), at most up to the first change of a choice.
+  /// The step is examined along the cubic Hermite polynomials through its ends. Where the slopes of these differ from
+  /// the rates by more than the tolerance allows, half of the step is returned. `evaluations` is increased by the
+  /// number of rates evaluated for that.
   double resolved_part(const SteepStep& step, double tolerance, std::int64_t& evaluations) const;
 
  private:
@@ -140,7 +142,7 @@ class SteepForces {
   double until_switch(const SteepStep& step, double tolerance) const;
 
   std::vector<SteepArgument> steep_;
-  Formula arguments_, switches_;  ///< of the steep functions; what choices go by, where it is negative or not
+  Formula arguments_, switches_;  ///< of the steep functions; values whose signs make the choices
   std::size_t variables_;         ///< of the tape
 };
 

@@ -1,7 +1,7 @@
-// Steps of a program that are alike, side by side: those of one rule and shape that do not wait for each other, as the
-// distances of all pairs of bodies. What they make stands one after the other in a row of values; what they read mostly
-// does, too, and is gathered where it does not. So they are computed by as many at a time as a register holds, by the
-// rules that steps one by one follow, to the same bits.
+// StepBatches puts steps of one rule and shape that do not depend on each other, such as the distances of all pairs of
+// bodies, side by side into batches. The values that a batch computes are consecutive; the values that it reads mostly
+// are, too, and are gathered where they are not. So a batch runs as many steps at a time as a register holds numbers,
+// by the same rules and to the same bits as one by one.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace least::tape {
 
-/// Where the steps of a batch find an operand: in values from `first` on, one after the other; or, each for itself, at
-/// places that stand from `first` on in a list. `first` is none where they have no such operand.
+/// Column says where the steps of a batch find an operand: in consecutive values from `first` on; or, if `gathered`, in
+/// the values that `places` lists from `first` on. `first` is none where the steps have no such operand.
 struct Column {
   Index first = none;
   bool gathered = false;
@@ -21,15 +21,16 @@ struct Column {
   friend bool operator==(const Column& column, Index place) { return column.first == place; }
 };
 
-/// As Step, of several at once.
+/// StepBatch is a Step for several steps at once.
 struct StepBatch {
   Rule rule = Rule::sum;
   Op function = Op::constant;
   Column out, weighted, a, b, w, lane;
   Index first_value = 0, values = 0, first_product = 0, products = 0;
-  std::size_t count = 0, room = 0;  ///< room: filled up to a multiple of `StepBatches::width`
-  std::size_t numbers = 0;  ///< where c, p and the factors of values and products begin, each of them `room` long
-  std::size_t scratch = 0;  ///< where there is room for the factors of the steps and for the ends of their products
+  std::size_t count = 0, room = 0;  ///< room: count rounded up to a multiple of `StepBatches::width`
+  std::size_t numbers =
+      0;  ///< where in `numbers` c, p and the factors of values and products begin, `room` numbers each
+  std::size_t scratch = 0;  ///< where in the scratch the factors of the steps and the ends of their products begin
 };
 
 class StepBatches {
@@ -42,31 +43,32 @@ class StepBatches {
   struct Product {
     Column a, b, lane;
   };
-  /// What is done one after the other in each order: a batch, or steps of the program.
+  /// A part of the work of an order: a batch, or steps of the program one by one.
   struct Piece {
     bool is_batch;
-    std::size_t first, count;  ///< the number of the batch and 1; or a first step and how many
+    std::size_t first, count;  ///< number of the batch and 1; or first step and number of steps
   };
-  /// As many lanes as `width`, one after the other: where the first factors of them begin, and the second ones.
+  /// `width` consecutive lanes: the first value of their first factors, and that of their second ones.
   struct Lanes {
     Index a, b;
   };
 
-  /// Puts steps, values and lanes of the program in an order in which those of a batch stand together, and leaves out
-  /// what nothing reads. A product that several sums have becomes a value of its own where the motion takes more steps
-  /// than a series that is unrolled has.
+  /// Reorders steps, values and lanes of the program so that those of a batch stand together, and drops lanes that
+  /// nothing reads. In a program with more steps of the motion than an unrolled series may have, a product that several
+  /// sums contain becomes a value of its own.
   explicit StepBatches(Program& program);
 
   std::vector<StepBatch> batches;
   std::vector<Value> values;
   std::vector<Product> products;
-  std::vector<Index> places;    ///< that columns gather from; behind each column as many as fill it up
+  std::vector<Index> places;    ///< from which columns gather; each column is padded to whole registers
   std::vector<double> numbers;  ///< of batches
   std::vector<Piece> pieces;
-  std::vector<Lanes> lanes;     ///< those of products of two, then those of squares
-  std::size_t mixed_lanes = 0;  ///< how many of the former
-  std::vector<Index> copied;    ///< values that are copied behind all others in every order, as lanes need them
-  std::size_t scratch = 0;      ///< numbers that batches need while they are computed
+  std::vector<Lanes> lanes;     ///< those of products of two values, then those of squares
+  std::size_t mixed_lanes = 0;  ///< how many are products of two
+  std::vector<Index>
+      copied;  ///< values that are copied, in this order, behind all others in every order, as factors of lanes
+  std::size_t scratch = 0;  ///< size of the scratch of all batches
 
  private:
   class Arrangement;

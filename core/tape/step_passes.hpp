@@ -1,6 +1,6 @@
-// What is done for each order of series that stand side by side (core/tape/step_tangents.hpp), for registers of any
-// width: those that hold fewer than all steps take these part by part, as steps know nothing of each other. It is all
-// to be inlined where registers of that width are asked for.
+// The recurrences of StepTangents (core/tape/step_tangents.hpp) for registers of any width. Steps are independent of
+// each other, so registers that hold fewer numbers than there are steps take these part by part. Everything is inlined
+// into functions that are compiled for registers of that width.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,12 @@
 
 namespace least::tape {
 
-/// As many of the numbers that stand side by side as a register holds.
+/// Part is a register with the numbers of `Wide` of the steps.
 template <std::size_t Wide>
 struct [[gnu::may_alias]] Part {
   double lane __attribute__((vector_size(8 * Wide)));
 };
-/// How many of them there are.
+/// The number of parts that all steps make up.
 template <std::size_t Wide>
 constexpr std::ptrdiff_t parts = StepTangents::steps / Wide;
 template <std::size_t Wide>
@@ -47,7 +47,7 @@ template <std::size_t Wide>
   if (k % 2 == 0 && k / 2 >= begin) sum.lane += middle->lane * middle->lane;
 }
 
-/// The series of the motion itself, of some of the steps.
+/// Motion computes the series of the motion itself for the steps of one part.
 template <std::size_t Wide>
 class StepTangents::Motion {
  public:
@@ -94,7 +94,7 @@ class StepTangents::Motion {
     }
     at(s.out, k).lane = sum.lane;
   }
-  /// Order k of a step that is not known yet.
+  /// Computes order k of a step of the program.
   [[gnu::always_inline]] inline void advance(const Step& s, const Side& gains, std::size_t k) {
     const Numbers& gain = *part_of<Wide>(&gains, part_);
     Numbers sum{};
@@ -134,7 +134,7 @@ class StepTangents::Motion {
       case Rule::linear_product:
         at(s.out, k).lane = s.c * (at(s.a, 0).lane * at(s.w, k).lane + at(s.a, 1).lane * at(s.w, k - 1).lane);
         break;
-      case Rule::select:  // there is none
+      case Rule::select:  // StepTangents::suits excludes it
         break;
     }
   }
@@ -144,7 +144,8 @@ class StepTangents::Motion {
   std::ptrdiff_t part_, stride_;
 };
 
-/// Some columns, of some of the steps, by two orders: what sums have in common is read once for both.
+/// Columns computes the derivatives of one group of columns for the steps of one part, two orders at a time, so that
+/// the operands that the sums of both orders share are read once.
 template <std::size_t Wide, std::size_t Count>
 class StepTangents::Columns {
  public:
@@ -186,7 +187,8 @@ class StepTangents::Columns {
   }
   [[gnu::always_inline]] inline const Numbers& of_part(const Side& all) const { return *part_of<Wide>(&all, part_); }
 
-  /// Σ (a + b j/k) x′ⱼ y_{k−j} over j < k, and of the next order over the same j.
+  /// Computes Σ (a + b j/k) x′ⱼ y_{k−j} over j < k, and the sum of order k + 1 over the same j, which lacks its term j
+  /// = k.
   [[gnu::always_inline]] inline void find(const Sum& sum, std::size_t k, Numbers* found) {
     const double here = k > 0 ? sum.b * inverses[k] : 0, later = sum.b * inverses[k + 1];
     const Numbers *x = at(sum.x, 0), *y = motion(sum.y, k);
@@ -196,7 +198,7 @@ class StepTangents::Columns {
     std::size_t begin = 0;
     if (k + 1 >= sum.y_reach) begin = k + 2 - sum.y_reach;
     const std::size_t end = std::min(k, sum.x_reach);
-    if (begin > 0 && begin <= k) {  // the one before, of this order alone
+    if (begin > 0 && begin <= k) {  // one term more, of order k alone
       const Numbers* const before = x + (begin - 1) * Count * next;
       if (begin - 1 < end) {
         Numbers factor;
@@ -244,7 +246,7 @@ class StepTangents::Columns {
     }
   }
 
-  /// An order of all steps, from the sums that were found; the second of two, which miss a term.
+  /// Computes order k of all steps from the sums. `second`: k is the second of two orders, whose sums lack a term.
   template <bool second>
   [[gnu::always_inline]] inline void advance_all(std::size_t k) {
     const Program& p = of_.program_;

@@ -1,9 +1,8 @@
-// How the state at the end of a step of a Taylor series changes with the state at its beginning and with parameters: of
-// several steps at once, side by side in wide registers, so that reading the program costs a step a fraction of that.
-// The steps of a motion are known before its derivatives are: these ask for the states where steps begin, and what they
-// find are matrices, which lead the derivatives in any direction from step to step. So they cost the same for one
-// direction as for as many as there are variables; where these are many, core/tape/tangents.hpp follows directions.
-// Sources: as there.
+// StepTangents computes how the state at the end of a Taylor step changes with the state at its beginning and with
+// parameters, for several steps at once. The steps stand side by side in wide registers and share the cost of
+// interpreting the program. The motion has to be known before: its states at the beginnings of steps are the input, and
+// the results are matrices that carry derivatives in any direction from step to step. Their cost does not depend on the
+// number of directions; where variables are many, core/tape/tangents.hpp follows directions instead. Sources: as there.
 #pragma once
 
 #include <span>
@@ -15,53 +14,52 @@ namespace least::tape {
 
 class StepTangents {
  public:
-  /// How many steps stand side by side.
+  /// The number of steps side by side.
   static constexpr std::size_t steps = 8;
-  /// A number of each of them.
+  /// One number for each of these steps.
   struct alignas(8 * steps) Side {
     double lane[steps];
   };
 
-  /// Whether formulas never change sides, which steps side by side cannot do each by itself.
+  /// Whether the program has no choices between formulas: steps side by side could not choose differently.
   static bool suits(const Program& program) { return program.switches.empty(); }
-  /// Of a program whose variables beyond the motion rest: parameters. `along`: in one direction for each step, which is
-  /// told where it begins, instead of by all variables.
+  /// Prepares a program whose variables beyond the motion are constant parameters. `along`: each step is differentiated
+  /// along one direction, given at its beginning, instead of by all variables.
   StepTangents(Program program, int order, bool along = false);
-  /// How many numbers that keeps, about.
+  /// Estimates how many numbers such an object keeps.
   static std::size_t numbers(const Program& program, int order, bool along = false);
 
-  /// From the variables at the beginning of each step, one after the other, and the times there; what is less than all
-  /// steps is filled up.
+  /// Computes the series at the beginnings of at most `steps` steps: y has columns() variables per step, t one time per
+  /// step. Fewer steps are padded with the last one.
   void expand(std::span<const double> y, std::span<const double> t) { expand(y, t, {}); }
-  /// The same in directions that stand as y does, where it is `along` them.
+  /// The same for an object made with `along`; `directions` is laid out as y is.
   void expand(std::span<const double> y, std::span<const double> t, std::span<const double> directions);
-  /// Then what follows from these series for steps of these lengths, as many.
+  /// Computes `change`, `last_term` and `term_before` from these series for steps of the lengths h.
   void find_changes(std::span<const double> h);
-  /// What the derivatives of the variables of the motion by all variables have changed by in a step: by variable of the
-  /// motion, then by what it is derived by.
+  /// change(i) returns the matrix ∂(y_end − y_start)/∂y_start of step i: moving() rows, columns() columns, row-major.
   const double* change(std::size_t step) const { return matrix(step, 0); }
-  /// Of these as functions of the time the terms of the last order and of the one before.
+  /// The highest two Taylor coefficients, of orders order() and order() − 1, of this matrix as a function of the time.
   const double* last_term(std::size_t step) const { return matrix(step, 1); }
   const double* term_before(std::size_t step) const { return matrix(step, 2); }
-  /// And what they change by in the time h of one.
+  /// Writes the matrix of one step for another length h to `change`.
   void change_in(double h, std::size_t step, double* change) const;
-  /// Along directions, found for steps of these lengths or for the time h of one: what the variables of the motion
-  /// change by, and then their derivatives.
+  /// The same for an object made with `along`, for steps of the lengths h or one step of the length h. A change has 2
+  /// moving() numbers: first the changes of the variables of the motion, then those of their derivatives.
   void find_changes_along(std::span<const double> h);
   const double* change_along(std::size_t step) const { return matrices_.data() + step * 2 * program_.moving; }
   void change_along_in(double h, std::size_t step, double* change) const;
   int order() const { return static_cast<int>(order_); }
-  /// Of the matrices: all variables.
+  /// Columns of the matrices: all variables, parameters included.
   std::size_t columns() const { return program_.variables; }
-  /// And rows: those of the motion.
+  /// Rows of the matrices: the variables of the motion.
   std::size_t moving() const { return program_.moving; }
 
  private:
   static constexpr std::size_t most_columns = 4;  ///< in a group
-  /// Columns of the matrices that are found together.
+  /// Columns of the matrices that are computed together.
   struct Group {
     std::size_t first, count;
-    std::vector<Side> rows;  ///< by value that has derivatives, by order, by column
+    std::vector<Side> rows;  ///< by slot of the value, by order, by column
   };
   struct Term {
     Index x;
@@ -90,9 +88,9 @@ class StepTangents {
   const double* matrix(std::size_t step, std::size_t which) const {
     return matrices_.data() + (step * 3 + which) * entries();
   }
-  /// Where the derivative of a variable by another stands, of order 0, and how far it is from there to the next order.
+  /// Returns order 0 of the derivative of variable i by variable c; the next orders follow `stride` apart.
   const Side* series_of(std::size_t i, std::size_t c, std::size_t& stride) const;
-  /// Along directions: of all that changes, the variables of the motion and then their derivatives.
+  /// With `along`: returns order 0 of entry i of a change; the next orders follow.
   const Side* series_along(std::size_t i) const;
   std::size_t place(Index value, std::size_t k) const { return static_cast<std::size_t>(value) * (order_ + 1) + k; }
   void begin(std::size_t step, const double* y, double t);
@@ -105,13 +103,13 @@ class StepTangents {
   Program program_;
   std::size_t order_;
   bool along_;
-  std::vector<Index> slot_;         ///< by value where its derivatives stand; none: they are zero
-  std::vector<std::size_t> reach_;  ///< by value how many orders are not zero
+  std::vector<Index> slot_;         ///< by value: the slot of its derivatives; none if they are zero
+  std::vector<std::size_t> reach_;  ///< by value: how many orders may be nonzero
   std::vector<Planned> planned_;
   std::vector<Term> terms_;
   std::vector<Sum> sums_;
   std::vector<Side> rows_;   ///< of the motion: by value, by order
-  std::vector<Side> gains_;  ///< by step what a recurrence divides by: its inverse
+  std::vector<Side> gains_;  ///< by step of the program: the inverse of what its recurrence divides by
   std::vector<double> row_;  ///< order 0 of all values of one step
   std::vector<Group> groups_;
   std::vector<std::size_t> group_;  ///< by column

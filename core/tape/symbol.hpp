@@ -1,7 +1,8 @@
-// A number that records: arithmetic with symbols writes a tape. Mechanics generic in the number, evaluated in it, leave
-// their equations of motion there. It has no value, so nothing can branch on it: a comparison is recorded, too. What is
-// made of constants alone is a constant and never written; parameters are numbers, so what follows from them is
-// computed here, once, to twice the digits of a double but for exponents: reference solutions read the same tapes.
+// Symbol is a number type that records: arithmetic with symbols appends operations to a tape. Mechanics that are a
+// template of the number type, evaluated with symbols, leave their equations of motion on the tape. A symbol has no
+// value, so code cannot branch on it; a comparison is recorded as an operation, too. An expression of constants and
+// parameters alone is folded to one constant and not written. Constants, but for exponents, have twice the digits of a
+// double, because reference solutions read the same tapes.
 #pragma once
 
 #include <cmath>
@@ -24,22 +25,22 @@ class Symbol {
     return {tape, tape.write({.op = tape::Op::variable, .value = static_cast<double>(i)})};
   }
 
-  /// A sum of terms that the tape keeps.
+  /// Sum number `sum` of the terms that the tape keeps under the number `terms` (Tape::keep).
   static Symbol total(tape::Tape& tape, tape::Index terms, tape::Index sum) {
     return {tape,
             tape.write({.op = tape::Op::total, .value = static_cast<double>(sum), .low = static_cast<double>(terms)})};
   }
 
-  /// What stands there.
+  /// The symbol of node i; a constant symbol if the node is a constant.
   static constexpr Symbol at(tape::Tape& tape, tape::Index i) {
     return tape[i].op == tape::Op::constant ? Symbol(DoubleDouble(tape[i].value, tape[i].low)) : Symbol(tape, i);
   }
 
   constexpr bool is_constant() const { return !tape_; }
-  /// Where it stands, if it is no constant.
+  /// The node of the symbol; none if it is a constant.
   constexpr tape::Index place() const { return node_; }
   constexpr double constant() const { return constant_.high(); }
-  /// Where it stands on the tape: a constant is written.
+  /// The node of the symbol on the tape; a constant is written to the tape first.
   constexpr tape::Index on(tape::Tape& tape) const {
     return tape_ ? node_ : tape.write({.op = tape::Op::constant, .value = constant_.high(), .low = constant_.low()});
   }
@@ -55,10 +56,11 @@ class Symbol {
   constexpr Symbol& operator/=(const Symbol& b) { return *this = *this / b; }
 
   friend constexpr Symbol sqrt(const Symbol& x);
-  /// A whole exponent up to `most_factors` is a product.
+  /// x^exponent; whole exponents from 0 to `most_factors` are written as products.
   friend constexpr Symbol pow(const Symbol& x, double exponent);
   friend constexpr Symbol pow(const Symbol& x, const Symbol& exponent);
-  /// x^exponent where the exponent may yet become a number; pow makes it exp(exponent log x) at once.
+  /// x^exponent as Op::raise, so that a substitution can still make the exponent a number; pow writes exp(exponent log
+  /// x) at once.
   friend constexpr Symbol raise(const Symbol& x, const Symbol& exponent);
   friend constexpr Symbol exp(const Symbol& x);
   friend constexpr Symbol log(const Symbol& x);
@@ -73,7 +75,7 @@ class Symbol {
   friend constexpr Symbol acos(const Symbol& x);
   friend constexpr std::pair<Symbol, Symbol> sincos(const Symbol& x) { return {sin(x), cos(x)}; }
 
-  /// A comparison: whether `difference` is negative, or is not.
+  /// The result of a comparison: `difference` < 0, or the opposite if `negated`.
   struct Mask;
   friend constexpr Mask operator<(const Symbol& a, const Symbol& b);
   friend constexpr Mask operator>(const Symbol& a, const Symbol& b);
@@ -88,7 +90,7 @@ class Symbol {
   friend struct Recorder;
   constexpr Symbol(tape::Tape& tape, tape::Index node) : tape_(&tape), node_(node) {}
 
-  tape::Tape* tape_ = nullptr;  ///< none: a constant
+  tape::Tape* tape_ = nullptr;  ///< null for a constant
   tape::Index node_ = tape::none;
   DoubleDouble constant_{};
 };
@@ -99,7 +101,7 @@ struct Symbol::Mask {
   constexpr Mask operator!() const { return {difference, !negated}; }
 };
 
-/// What operations look at before they write.
+/// Recorder writes the nodes of operations and recognizes the operands for which a simpler node will do.
 struct Recorder {
   using Index = tape::Index;
   using Node = tape::Node;
@@ -117,22 +119,24 @@ struct Recorder {
     tape::Tape& tape = *difference.tape_;
     const Index first = yes.on(tape);
     Index second = no.on(tape);
-    // A comparison with what is no number is not simply false: what follows is no number either. 0·NaN is NaN.
+    // A NaN difference would select `no` silently. Adding 0·difference to `no` makes the result NaN, too.
     if (tape[difference.node_].partial && !same(difference, no)) {
       const Symbol nothing = binary(Op::multiply, Symbol(0), difference);
       second = (no.is_constant() && no.constant() == 0 ? nothing : binary(Op::add, no, nothing)).on(tape);
     }
     return {tape, tape.write({.op = Op::select, .a = difference.node_, .b = first, .c = second})};
   }
-  /// The node of x, or of a constant one that says nothing.
+  /// The node of x; a default node if x is a constant.
   static constexpr Node node(const Symbol& x) { return x.tape_ ? (*x.tape_)[x.node_] : Node{}; }
   static constexpr Node node(const Symbol& of, Index i) { return (*of.tape_)[i]; }
   static constexpr Symbol at(const Symbol& of, Index i) { return Symbol::at(*of.tape_, i); }
-  /// A constant to all its digits; as doubles have it where those of more digits over- or underflow.
+  /// The constant `exact`; its double `plain` where double-double arithmetic has over- or underflowed to a non-finite
+  /// value.
   static constexpr Symbol constant(double plain, const DoubleDouble& exact) {
     return Symbol(std::isfinite(exact.high() + exact.low()) ? exact : DoubleDouble(plain));
   }
-  /// f(x) of a constant; the compiler has no more digits than those of doubles.
+  /// f of the constant x in double-double. A constant expression cannot call the quad library and takes `plain`, f in
+  /// double.
   static constexpr Symbol function(Op f, const Symbol& x, double plain) {
     return std::is_constant_evaluated() ? Symbol(plain) : constant(plain, elementary(f, x.constant_));
   }
@@ -140,14 +144,14 @@ struct Recorder {
     return a.tape_ && a.tape_ == b.tape_ && a.node_ == b.node_;
   }
 
-  /// x is c u with c < 0: −c u. A constant otherwise.
+  /// Returns −x if x is c u with a constant c < 0; otherwise a constant.
   static constexpr Symbol negated(const Symbol& x) {
     const Node n = node(x);
     if (n.op != Op::multiply || node(x, n.a).op != Op::constant || !(node(x, n.a).value < 0)) return {};
     return -at(x, n.a) * at(x, n.b);
   }
 
-  /// x is uᵖ of no whole p, or √u: both.
+  /// Returns whether x is a node uᵖ (Op::power) or √u, and then sets `base` to u and `exponent` to p.
   static constexpr bool is_power(const Symbol& x, Symbol& base, double& exponent) {
     const Node n = node(x);
     if (n.op != Op::power && n.op != Op::sqrt) return false;
@@ -156,9 +160,9 @@ struct Recorder {
     return true;
   }
 
-  /// 1/x of x that overflows where 1/x is nothing, as what does not: 1/cosh² u = 1 − tanh² u, and products of these. It
-  /// has the digits of 1, not its own, so that nothing that grows as x does may be multiplied by it. Of any other x a
-  /// constant.
+  /// Returns 1/x for products x of cosh² u and constants by 1/cosh² u = 1 − tanh² u, which does not overflow where
+  /// cosh² u does; for any other x a constant. The rounding error of the result is relative to 1, not to the result, so
+  /// the result must not be multiplied by anything that grows like x.
   static constexpr Symbol inverse(const Symbol& x) {
     const Node n = node(x);
     if (n.op != Op::multiply) return {};
@@ -173,8 +177,9 @@ struct Recorder {
     return over_a.is_constant() ? Symbol() : over_a * over_b;
   }
 
-  /// sin(a + b) where x + y is sin a cos b + cos a sin b, cos(a + b) where x − y is cos a cos b − sin a sin b, of
-  /// angles linear in time: sums of many harmonics cost no products. A constant otherwise.
+  /// Returns sin(a + b) if `made` is sin and x + y = sin a cos b + cos a sin b, or cos(a + b) if `made` is cos and x −
+  /// y = cos a cos b − sin a sin b, where a and b are linear in time; otherwise a constant. Sums of many harmonics then
+  /// cost no products.
   static constexpr Symbol by_addition(const Symbol& x, const Symbol& y, Op made) {
     const Node u = node(x), v = node(y);
     if (u.op != Op::multiply || v.op != Op::multiply) return {};
@@ -193,7 +198,7 @@ struct Recorder {
     return {};
   }
 
-  // What operators write, in a constant expression.
+  // The operators as constant expressions.
   static constexpr Symbol add(const Symbol& a, const Symbol& b);
   static constexpr Symbol subtract(const Symbol& a, const Symbol& b);
   static constexpr Symbol multiply(const Symbol& a, const Symbol& b);
@@ -201,7 +206,7 @@ struct Recorder {
   static constexpr Symbol power_of(const Symbol& x, double exponent);
 };
 
-/// The same when the program runs: compiled once, where every problem would compile its own.
+/// The operators at run time, compiled once here instead of inline in the source of every problem.
 namespace recording {
 Symbol add(const Symbol& a, const Symbol& b);
 Symbol subtract(const Symbol& a, const Symbol& b);
@@ -264,7 +269,8 @@ constexpr Symbol Recorder::multiply(const Symbol& a, const Symbol& b) {
   double p = 0;
   if (Recorder::is_power(b, base, p) && Recorder::same(a, base)) return pow(a, p + 1);  // u √u
   if (Recorder::is_power(a, base, p) && Recorder::same(b, base)) return pow(b, p + 1);
-  // (c/u) x with u linear in time: c (x/u) costs nothing per order, and goes on to where u = 0 and x/u is finite.
+  // (c/u) x with u linear in time becomes c (x/u): the factor c costs nothing per order, and x/u may be finite at u =
+  // 0.
   if (left.op == tape::Op::divide && Recorder::node(a, left.a).op == tape::Op::constant &&
       Recorder::node(a, left.b).linear)
     return Recorder::at(a, left.a) * (b / Recorder::at(a, left.b));

@@ -1,5 +1,6 @@
-// What the derivative of a recurrence (core/tape/series_rules.hpp) is made of, for all that follow derivatives along
-// series: x′ₖ of the same order times what is known from order 0, and sums over the orders before.
+// The derivatives of the recurrences (core/tape/series_rules.hpp), for all that follow derivatives along series. The
+// derivative of order k of a step consists of terms with x′ₖ, whose factors are known from order 0, and of sums over
+// lower orders.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 
 namespace least::tape {
 
-/// Which values depend on the variables, and how many orders of each are not zero.
+/// By value: `moves` is whether it depends on the variables, and `reach` how many orders may be nonzero.
 struct Kinds {
   static constexpr std::size_t everything = Series::most_orders + 1;
   std::vector<bool> moves;
@@ -18,9 +19,9 @@ struct Kinds {
   explicit Kinds(const Program& p);
 };
 
-/// Tells `to` what out′ₖ of a step is the sum of, from a recurrence in which it is the last that is not known:
-/// to.add(x, factor) of factor x′ₖ, and to.add_sum(x, y, factor, a, b) of factor Σ (a + b j/k) x′ⱼ y_{k−j} over j < k.
-/// to.value(x) is x₀. Which of these there are, in which order, does not depend on the values but for choices.
+/// Lists for `to` the summands of out′ₖ of a step: derive calls to.add(x, factor) for factor x′ₖ, and to.add_sum(x, y,
+/// factor, a, b) for factor Σ (a + b j/k) x′ⱼ y_{k−j} over j < k. to.value(x) has to return x₀. Apart from
+/// Rule::select, the calls and their order do not depend on the values.
 template <class To>
 void derive(const Program& p, const Step& s, To&& to) {
   const auto value = [&](Index x) { return to.value(x); };
@@ -80,7 +81,7 @@ void derive(const Program& p, const Step& s, To&& to) {
     case Rule::select:
       to.add(value(s.w) < 0 ? s.a : s.b, 1);
       break;
-    case Rule::linear_product:  // a is of the time alone
+    case Rule::linear_product:  // a depends on the time alone
       to.add(s.w, s.c * value(s.a));
       to.add_sum(s.w, s.a, s.c, 1, 0);
       break;

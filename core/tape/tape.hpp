@@ -1,7 +1,7 @@
-// A tape: a formula written down operation by operation, with nothing written twice. Its numbers are constants, the
-// time, variables and what operations make of them. It is written by symbols (core/tape/symbol.hpp) that take the place
-// of numbers in the mechanics of a problem, or in those that a parser reads; what it is good for is made from it, as
-// Taylor series are (core/tape/series.hpp).
+// Tape is a list of the operations of formulas, each operation written once. Its nodes are constants, the time,
+// variables and results of operations. Symbols (core/tape/symbol.hpp) write it when they take the place of numbers in
+// the mechanics of a problem or in mechanics that a parser reads. Evaluators such as Taylor series
+// (core/tape/series.hpp) are made from it.
 // Source: Griewank & Walther, Evaluating Derivatives, 2008, chapter 2.
 #pragma once
 
@@ -27,8 +27,8 @@ enum class Op : std::uint8_t {
   subtract,
   multiply,
   divide,
-  power,  ///< a^value, of no whole exponent from 0 to `most_factors`
-  raise,  ///< a^b of two that vary; no series are made of it
+  power,  ///< a^value; whole exponents from 0 to `most_factors` are products
+  raise,  ///< a^b with b no constant; has to be rewritten as exp(b log a) before series are made of it
   sqrt,
   exp,
   log,
@@ -45,15 +45,16 @@ enum class Op : std::uint8_t {
   total    ///< sum number `value` of the terms number `low` (Terms)
 };
 
-/// Operands lie before what is made of them.
+/// Node is an operation, a constant, a variable or the time. Its operands a, b, c are earlier nodes of the tape.
+/// Tape::write sets the flags `linear`, `partial` and `positive`.
 struct Node {
   Op op = Op::constant;
-  bool linear = false;    ///< of the first degree in time and a function of nothing else; derived
-  bool partial = false;   ///< something in it, as a logarithm, is no number of some arguments; derived
-  bool positive = false;  ///< or zero, whatever its arguments, where it is a number: as a square; derived
+  bool linear = false;    ///< the value is c₀ + c₁ t with constants c₀, c₁
+  bool partial = false;   ///< a part, such as a logarithm, is NaN for some arguments
+  bool positive = false;  ///< the value, where it is a number, is always ≥ 0, like a square
   Index a = none, b = none, c = none;
   double value = 0;
-  double low = 0;  ///< of a constant what `value` is short of it
+  double low = 0;  ///< for a constant: the constant is value + low
 
   constexpr bool is(const Node& other) const {
     return op == other.op && a == other.a && b == other.b && c == other.c && bits(value) == bits(other.value) &&
@@ -61,7 +62,7 @@ struct Node {
   }
   constexpr std::size_t hash() const {
     std::uint64_t h = bits(value) + static_cast<std::uint64_t>(op);
-    h ^= h >> 32;  // of small whole numbers the lower half is zero
+    h ^= h >> 32;  // the lower half of a small whole number's bits is zero
     for (const Index part : {a, b, c}) h = (h ^ static_cast<std::uint64_t>(part + 1)) * 0x9e3779b97f4a7c15ULL;
     return static_cast<std::size_t>(h ^ (h >> 29));
   }
@@ -70,47 +71,50 @@ struct Node {
   static constexpr std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 };
 
-/// Terms alike, as those of Σ m[i] m[j]/r(i, j): one formula of a few arguments, written once; of every term the places
-/// on the tape of its arguments, and the sums that its results are added to, in the order of the terms.
+/// Terms describes sums of many terms of one form, such as Σ m[i] m[j]/r(i, j). The form is written once, as `formula`.
+/// For every term, `given` lists the nodes of its arguments on the outer tape, and `into` the sums to which its results
+/// are added, in the order of the terms.
 struct Terms {
   std::vector<Node> formula;   ///< a tape of its own; its variable number k is argument k
   std::vector<Index> results;  ///< places in the formula
   Index arguments = 0, count = 0, sums = 0;
-  std::vector<Index> given;     ///< by argument, then by term
-  std::vector<Index> into;      ///< by result, then by term: the number of a sum; none where it is in none
-  std::vector<Index> operands;  ///< every place that is given, once, in the order of the tape
+  std::vector<Index> given;     ///< [argument · count + term]: a node of the outer tape
+  std::vector<Index> into;      ///< [result · count + term]: the number of a sum, or none
+  std::vector<Index> operands;  ///< the nodes in `given`, each once, in the order of the tape
 
   bool operator==(const Terms& other) const;
 };
 
-/// What a tape throws that is full. Whoever derives something bounds what that may take, in operations and so in time
-/// and memory, and does without where it takes more.
+/// A tape throws TooManyOperations when it is full. Callers that derive formulas bound the number of operations, and
+/// thereby time and memory, with Tape::bound; they catch the exception and do without the derived formula.
 struct TooManyOperations : std::length_error {
   TooManyOperations() : std::length_error("it takes too many operations") {}
 };
 
-/// Operations of the equations of motion of a scene, and of what is derived from them.
+/// The most operations that the equations of motion of a scene may have, and that a tape may have with everything
+/// derived from them.
 inline constexpr Index most_of_equations = 1 << 15, most_of_tape = 2 * most_of_equations;
 
 class Tape {
  public:
   constexpr Tape() : places_(64, none) { nodes_.reserve(32); }
 
-  /// The place of the node, which is written where it does not stand yet.
+  /// Returns the place of the node, which is appended unless the tape has an equal one. Throws TooManyOperations.
   constexpr Index write(const Node& node) { return std::is_constant_evaluated() ? insert(node) : insert_at_run(node); }
-  /// From now on no more nodes than so many are written.
+  /// Limits the tape to `most` nodes from now on.
   constexpr void bound(Index most) { most_ = most; }
 
   constexpr const Node& operator[](Index i) const { return nodes_[static_cast<std::size_t>(i)]; }
   constexpr Index size() const { return static_cast<Index>(nodes_.size()); }
 
-  /// Keeps terms whose arguments stand here, unless the same are kept already: their number.
+  /// Stores terms whose arguments are nodes of this tape, unless equal ones are stored already, and returns their
+  /// number.
   Index keep(Terms terms);
   constexpr const Terms& terms(Index number) const { return terms_[static_cast<std::size_t>(number)]; }
-  /// Those that a total is one of the sums of.
+  /// The terms of a node of Op::total.
   constexpr const Terms& terms(const Node& total) const { return terms(static_cast<Index>(total.low)); }
   constexpr bool has_terms() const { return !terms_.empty(); }
-  /// What it takes in memory, about.
+  /// Approximate memory in bytes.
   std::size_t bytes() const;
 
   /// Calls f with the place of each operand of a node.
@@ -126,7 +130,7 @@ class Tape {
 
  private:
   constexpr Index insert(Node node);
-  /// The same, compiled once: every problem's equations are written when the program runs.
+  /// insert, compiled once for the equations of all problems, which are written at run time.
   Index insert_at_run(const Node& node);
   constexpr std::size_t place_of(const Node& node) const;
   constexpr bool is_linear(const Node& node) const;
@@ -135,11 +139,11 @@ class Tape {
 
   Index most_ = most_of_tape;
   std::vector<Node> nodes_;
-  std::vector<Index> places_;  ///< a hash table of them, at most half full
+  std::vector<Index> places_;  ///< hash table of the places of nodes, at most half full
   std::vector<Terms> terms_;
 };
 
-/// Where it stands in the table, or the empty place for it.
+/// Returns the slot of the node in the hash table, or the empty slot for it.
 constexpr std::size_t Tape::place_of(const Node& node) const {
   const std::size_t mask = places_.size() - 1;
   std::size_t place = node.hash() & mask;

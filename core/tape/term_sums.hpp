@@ -1,7 +1,7 @@
-// Sums of terms alike, made ready to be evaluated. In double they are computed operation by operation over many terms
-// at a time. Terms go in an order in which what they read, and what they are added to, mostly stands one after the
-// other: those of a double sum over i < j by j − i. Bits do not depend on the instruction set: what many terms add to
-// one sum is added up in eight parts, whatever the machine.
+// TermSums evaluates the sums of terms of one form (Terms). In double each operation runs over a tile of many terms at
+// a time. Terms are sorted so that the values they read, and the sums they are added to, are mostly contiguous: the
+// terms of a double sum over i < j go by j − i. Bits do not depend on the instruction set: many terms of one sum are
+// added in eight partial sums on every machine.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,11 @@ class PreparedTerms;
 
 class TermSums {
  public:
-  /// `registered`: of an operand that is neither a number nor a variable the register of the formula where it stands.
+  /// `registered(node)` is the register of the calling formula that holds an operand that is neither a constant nor a
+  /// variable.
   TermSums(const Tape& tape, const Terms& terms, const std::function<std::uint32_t(Index)>& registered);
 
-  /// All sums at the variables x; r: the registers of the formula that asks.
+  /// Writes all sums at the variables x to `sums`; r are the registers of the calling formula.
   template <class T>
   void evaluate(const T* x, const T* r, T* sums) const {
     thread_local std::vector<T> arguments, values, registers;
@@ -44,47 +45,48 @@ class TermSums {
   }
   void evaluate(const double* x, const double* r, double* sums) const noexcept;
 
-  /// Whether they read what the formula that asks has computed, and not its variables alone.
+  /// Whether terms read registers of the calling formula, and not its variables alone.
   bool reads_registers() const {
     return std::ranges::any_of(columns_, [](const Column& column) { return column.source == Source::formula; });
   }
-  /// Of all terms.
+  /// The number of operations of all terms together.
   std::size_t operations() const { return count_ * steps_.size(); }
 
  private:
-  static constexpr std::size_t tile = 256;  ///< terms that are computed at a time
-  static constexpr std::size_t parts = 8;   ///< in which terms of one sum are added up
+  static constexpr std::size_t tile = 256;  ///< terms computed at a time
+  static constexpr std::size_t parts = 8;   ///< partial sums into which the terms of one sum are added
   static constexpr std::uint32_t dropped = static_cast<std::uint32_t>(-1);
-  static constexpr std::size_t few_in_segment = 4;  ///< on average: below, each value is read and added by itself
+  static constexpr std::size_t few_in_segment =
+      4;  ///< terms, on average: below, each value is read and added by itself
 
   enum class Source : std::uint8_t { number, variable, formula };
-  /// An argument of all terms: in numbers_ or places_ from `first`. One that is not gathered is read in differences
-  /// alone.
+  /// An argument of all terms: from `first` on, numbers_ holds its values, or places_ the places of its values. A
+  /// `gathered` column is copied into a tile; the others are read directly, by differences alone.
   struct Column {
     Source source = Source::number;
     std::uint32_t first = 0;
     bool gathered = false;
   };
-  /// What is added of all terms: an operand, to the sums in places_ from `first`.
+  /// A result of all terms: `operand`, or its opposite, is added to the sums that places_ lists from `first` on.
   struct Result {
     std::uint32_t first = 0;
     std::uint16_t operand = 0;
     bool negated = false;
   };
-  /// What a column is along a segment: places one after the other from a first one, or always the same.
+  /// The places of a column along a segment: consecutive from `from` on if it moves, else always `from`.
   struct Reach {
     std::uint32_t from = 0;
     bool moves = false;
   };
-  /// Terms that are computed together, in so many segments.
+  /// Terms that are computed together; they consist of `segments` segments.
   struct Tile {
     std::uint32_t first_segment = 0, segments = 0;
   };
-  /// Operands are columns of arguments, then tiles.
+  /// An operation on all terms of a tile. Operands are numbered: first the columns of arguments, then tiles of results.
   struct Step {
     Code code;
     Fused fused = Fused::nothing;
-    bool difference = false;  ///< of two columns along segments
+    bool difference = false;  ///< a − b of two columns, read segment by segment
     std::uint16_t out = 0, a = 0, b = 0, c = 0;
     double value = 0;
   };
@@ -112,8 +114,8 @@ class TermSums {
   std::size_t operands_ = 0;
   bool in_segments_ = false;
   std::vector<Tile> tiles_;
-  std::vector<std::uint16_t> lengths_;  ///< of segments
-  std::vector<Reach> reach_;            ///< by segment, of the columns and then of the results
+  std::vector<std::uint16_t> lengths_;  ///< number of terms of each segment
+  std::vector<Reach> reach_;            ///< by segment: the columns, then the results
 };
 
 template <class T, class S>

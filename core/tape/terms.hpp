@@ -1,5 +1,6 @@
-// What is made of the terms that a tape keeps: their derivatives are terms again, closed under the reverse mode, as the
-// slope by an argument of a term is added to what that argument is of all terms.
+// Derivatives of the terms that a tape keeps (Terms). These derivatives are again terms: the derivative of a term by
+// one of its arguments is added to the adjoint of the operand that is that argument. The reverse mode so never writes
+// the terms out.
 // Source: Griewank & Walther, Evaluating Derivatives, 2008, 3.2 (reverse mode) and 6.1 (partially separable functions).
 #pragma once
 
@@ -14,11 +15,12 @@ namespace least::tape {
 
 constexpr std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
 
-/// The formula of terms, on which more can be written.
+/// Returns the formula of the terms as a tape on which more can be written.
 Tape tape_of(const Terms& terms);
 
-/// The slopes of Σ adjoint[i] · (sum number i of terms) by their operands for which `wanted` holds: each operand
-/// with what derived terms, which the tape keeps from now on, add up to.
+/// Returns the derivatives of Σ adjoint[i] · (sum number i of the terms `number`) by their operands, as pairs of
+/// (operand, derivative), for the operands for which `wanted` holds. The derivatives are totals of new terms, which the
+/// tape keeps.
 std::vector<std::pair<Index, Symbol>> slopes_of_terms(Tape& tape, Index number, std::span<const Symbol> adjoint,
                                                       const std::function<bool(Index)>& wanted);
 

@@ -1,4 +1,4 @@
-// One operation on values that stand one after the other, in a loop that the compiler makes wide.
+// One operation on consecutive values, in a loop that the compiler vectorizes.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ template <class F, class... Values>
   for (std::size_t k = 0; k < count; ++k) out[k] = f(of[k]...);
 }
 
-/// out[k] is what the operation makes of a[k], b[k], c[k], as far as it reads them, and of number[k].
+/// Sets out[k] to the result of the operation on a[k], b[k], c[k], as far as it reads them, number[k] and the time t.
 template <class Number>
 [[gnu::always_inline]] inline void compute_tile(Code code, std::size_t count, double* out, const double* a,
                                                 const double* b, const double* c, double t, Number number) {

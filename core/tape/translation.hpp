@@ -1,4 +1,5 @@
-// A tape as a list of operations, each with a value of its own: what is evaluated one after the other, or in batches.
+// Translation is a tape as a list of operations, each with a value of its own, to be evaluated one after the other or
+// in batches.
 #pragma once
 
 #include <span>
@@ -10,14 +11,14 @@ namespace least::tape {
 
 struct Translation {
   std::vector<Operation> steps;
-  std::vector<Index> ends;   ///< of what was asked for
-  std::vector<Index> place;  ///< of nodes the step that computes them; none of those that are not needed
+  std::vector<Index> ends;   ///< the step of each output
+  std::vector<Index> place;  ///< by node: the step that computes it; none if it is not needed
 };
 
-/// What computes these nodes of a tape.
+/// Returns the operations that compute the nodes `outputs` of the tape, in an order of evaluation.
 Translation translated(const Tape& tape, std::span<const Index> outputs);
 
-/// Whether an argument of terms is a constant, or a variable, of all of them.
+/// Whether an argument is a node of the kind `op` in every term.
 bool is_all(const Tape& tape, const Terms& terms, Index argument, Op op);
 
 }  // namespace least::tape

@@ -14,7 +14,8 @@
 
 namespace least::tape {
 
-/// Calls visit(n) with every number of the structure of a program, and no other; false as soon as visit is.
+/// Calls visit(n) with every number of the structure of a program, that is, of everything but its constant factors;
+/// stops and returns false as soon as visit does.
 template <class Visit>
 constexpr bool read_structure(const Program& p, Visit&& visit) {
   const auto all = [&](const auto&... n) { return (visit(static_cast<Index>(n)) && ...); };
@@ -36,7 +37,7 @@ constexpr bool read_structure(const Program& p, Visit&& visit) {
          each(p.poles, place);
 }
 
-/// What a program comes to in lists of fixed size, so that it can be a constant.
+/// Fixed is a program in lists of fixed size, so that it can be a constexpr constant.
 template <std::size_t Steps, std::size_t Linear, std::size_t Values, std::size_t Products, std::size_t Lanes,
           std::size_t Slots, std::size_t Variables, std::size_t Kept, std::size_t Numbers>
 struct Fixed {
@@ -48,12 +49,12 @@ struct Fixed {
   std::array<Index, Slots> low, high;
   std::array<Index, Variables> rate;
   std::array<Index, Variables + 1> weighted;
-  std::array<Index, Kept> kept;  ///< values that are asked for at every order
+  std::array<Index, Kept> kept;  ///< values whose coefficients callers read
   std::array<Index, Numbers> structure;
   std::size_t rows = 0;
 };
 
-/// As much of it as any program may need that is unrolled, and how much of that is used.
+/// Measured is a Fixed that is large enough for every program that is unrolled, with the used lengths of its lists.
 struct Measured {
   static constexpr std::size_t most = 64;
   Fixed<most, 8, 4 * most, 2 * most, most, 2 * most, 24, 16, 16 * most> lists{};
@@ -90,7 +91,7 @@ constexpr Measured measured(const Program& p) {
   to.rows = at(p.rows);
   return made;
 }
-/// Without what is not used.
+/// Returns the lists of M shortened to their used lengths.
 template <const Measured& M>
 constexpr auto shrunk() {
   constexpr auto& n = M.used;
@@ -111,7 +112,7 @@ constexpr auto shrunk() {
   return made;
 }
 
-/// The series of programs of the structure S.
+/// Unrolled expands the series of programs with the structure S, without loops over steps.
 template <const auto& S>
 class Unrolled {
  public:
@@ -139,19 +140,19 @@ class Unrolled {
       const Program::Product& term = S.products[i];
       ends[i] = ends_of(term, p.products[i].factor, row.data());
     });
-    // Order 1 of what is linear in time, which has no other but the first.
+    // Order 1 of the steps linear in time; their higher orders are zero.
     second[time] = second[at(S.weighted.back())] = 1;
     each<linear>([&](auto i) LEAST_INLINE {
       const Known known{1, 1, second.data(), half.data(), row.data(), nullptr, nullptr, nullptr};
       rules.advance(S.linear[i], p.linear[i], known, StepFactors{}, second.data());
     });
-    Fours high, before, share{};  // the higher factors of the last order, of the one before
+    Fours high, before, share{};  // the higher factors of the last order and of the one before it
     auto next = finish(of, 0, row, high);
     double order = 0;
     const auto take = [&](std::size_t k, bool early, const Fours& slots) LEAST_INLINE {
       order += 1;
       std::array<double, lanes + 1> older, sums;
-      Fours all;  // with the terms of the last order
+      Fours all;  // slots with the terms of the last order added
       if constexpr (!alone)
         each<groups>([&](auto g) LEAST_INLINE { all[g].lane = slots[g].lane + share[g].lane * high[g].lane; });
       each<lanes>([&](auto i) LEAST_INLINE {
@@ -196,7 +197,7 @@ class Unrolled {
     }
   }
 
-  /// Order 0, from the variables and the time that stand there.
+  /// Computes order 0 of all values from the variables and the time in `values`.
   [[gnu::always_inline]] static inline void begin(const Program& p, double* values) {
     const Rules<true> rules{{S.values.data(), S.products.data()}, {p.values.data(), p.products.data()}};
     Row row{};
@@ -209,14 +210,15 @@ class Unrolled {
   static constexpr std::size_t steps = S.steps.size(), linear = S.linear.size(), variables = S.rate.size(),
                                lanes = S.slot.size(), groups = S.low.size() / 4, first = at(Program::first_variable),
                                time = first + variables;
-  /// Whether a value that others follow from in the same order is a product of two such values.
+  /// Whether some sum that is no rate has a product of two computed values: orders then have long chains of
+  /// dependences.
   static constexpr bool chained = std::ranges::any_of(S.steps, [](const Step& s) {
     const auto products = std::span(S.products).subspan(at(s.first_product), at(s.products));
     const auto computed = [](Index value) { return at(value) > time; };
     return s.rule == Rule::sum && !std::ranges::count(S.rate, s.out) &&
            std::ranges::any_of(products, [=](const auto& term) { return computed(term.a) && computed(term.b); });
   });
-  /// The terms of the last order are added to sums one by one: that is more to do than by fours, but sooner done.
+  /// Whether the terms of the last order are added lane by lane instead of by fours: more operations, but done sooner.
   static constexpr bool alone = lanes <= (chained ? 8 : 6);
   using Row = std::array<double, S.rows>;
   using Fours = std::array<Four, groups + 1>;
@@ -233,7 +235,7 @@ class Unrolled {
     each<linear>([&](auto i) LEAST_INLINE { rules.begin(S.linear[i], p.linear[i], row.data()); });
     each<steps>([&](auto i) LEAST_INLINE {
       if constexpr (i > 0 && is_pair(i - 1)) return;
-      if constexpr (is_pair(i)) {  // of one argument: for the price of little more than one
+      if constexpr (is_pair(i)) {  // sine and cosine of one argument cost little more than one of them
         const double x = p.steps[i].p * row[at(S.steps[i].a)];
         row[at(S.steps[i].out)] = std::sin(x);
         row[at(S.steps[i + 1].out)] = std::cos(x);
@@ -243,14 +245,14 @@ class Unrolled {
     });
   }
 
-  /// Whether a step and the next are sine and cosine of the same.
+  /// Whether step i and the next are sine and cosine of the same argument.
   static constexpr bool is_pair(std::size_t i) {
     return i + 1 < steps && S.steps[i].products == 0 && S.steps[i].function == Op::sin &&
            S.steps[i + 1].function == Op::cos && S.steps[i].w == S.steps[i + 1].out &&
            S.steps[i + 1].w == S.steps[i].out;
   }
 
-  /// Written in one piece, as it is read soon after: from four pieces a processor cannot hand it on.
+  /// Writes a four with one store, because it is read soon after: a processor cannot forward four stores to one load.
   [[gnu::always_inline]] static inline void together(Four& out, double a, double b, double c, double d) {
     Four four{{a, b, c, d}};
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
@@ -259,7 +261,7 @@ class Unrolled {
     out.lane = four.lane;
   }
 
-  /// The next coefficients of variables; what has become of order k goes to where it is read.
+  /// Returns order k + 1 of the variables, and stores what is read of order k: `kept` values and the factors of slots.
   [[gnu::always_inline]] static inline std::array<double, variables> finish(const Workspace& of, std::size_t k,
                                                                             const Row& row, Fours& high) {
     double* const here = of.rows + k * S.rows;
@@ -272,7 +274,7 @@ class Unrolled {
       constexpr std::size_t f = 4 * g;
       together(fours[g], row[at(S.low[f])], row[at(S.low[f + 1])], row[at(S.low[f + 2])], row[at(S.low[f + 3])]);
       constexpr auto place = [](int i) { return S.high[f + at(i)] == S.low[f + at(i)] ? i : i ^ 1; };
-#if defined(__GNUC__) && !defined(__clang__)  // one instruction, which the compiler does not find in what stands below
+#if defined(__GNUC__) && !defined(__clang__)  // one instruction, which the compiler does not find in the code below
       constexpr std::int64_t places __attribute__((vector_size(32))) = {place(0), place(1), place(2), place(3)};
       high[g].lane = __builtin_shuffle(fours[g].lane, places);
 #else
@@ -285,14 +287,14 @@ class Unrolled {
   }
 };
 
-/// A series that is unrolled, as a table has it.
+/// UnrolledSeries is an Unrolled<S> as an entry of a table.
 struct UnrolledSeries {
   bool (*fits)(const Program&);
   void (*expand)(const Program&, const Workspace&);
   void (*begin)(const Program&, double*);
 };
-/// All there are: of the problems of the catalogue (core/catalogue/unrolled_series.cpp). None where the machine has no
-/// registers of four.
+/// Returns all unrolled series, those of the problems of the catalogue (core/catalogue/unrolled_series.cpp); none where
+/// the machine has no registers of four doubles.
 std::span<const UnrolledSeries> unrolled_series();
 
 }  // namespace least::tape

@@ -1,12 +1,12 @@
-// Where the machine has wider registers, they are used: what is computed is the same. Of what a sanitizer watches there
-// is one kind only, as it cannot choose when a program begins.
+// Attributes that compile functions for wider registers as well, where the machine has them; results are the same.
+// Builds with sanitizers compile one version only, as they cannot choose between versions when a program is loaded.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define LEAST_WIDE __attribute__((target_clones("avx2", "default")))
 #define LEAST_WIDEST __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
-/// Of much in double-double: all of it in one function.
+/// For functions with much double-double arithmetic, all of which is inlined.
 #define LEAST_FUSED __attribute__((target_clones("arch=x86-64-v3", "default"), flatten))
 #else
 #define LEAST_WIDE
@@ -14,7 +14,7 @@
 #define LEAST_FUSED
 #endif
 
-// Functions of which there is one for each width: they choose themselves which is called.
+// For functions that are written once per width: their callers choose by LEAST_HAS_….
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define LEAST_BY_FOUR [[gnu::target("avx2")]]
 #define LEAST_HAS_BY_FOUR __builtin_cpu_supports("avx2")

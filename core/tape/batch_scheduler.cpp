@@ -1,4 +1,4 @@
-// How the steps of a formula become batches.
+// Batches::Scheduler groups the steps of a formula into batches and gives their values places.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -13,13 +13,13 @@ namespace least::tape {
 
 namespace {
 
-constexpr std::size_t few_steps = 200;  // below, one after the other is as fast
-constexpr std::size_t few_alike = 5;    // in a batch, on average
-// Scenes of few coordinates have many formulas, and every request has its own: what batches hold of them, ten bytes an
-// operation, is dearer than the time that they save.
+constexpr std::size_t few_steps = 200;  // with fewer, one by one is as fast
+constexpr std::size_t few_alike = 5;    // steps of a batch, on average
+// Scenes of few coordinates have many formulas, and every request makes its own: the memory of batches, ten bytes per
+// operation, would cost more than the time they save.
 constexpr std::ptrdiff_t few_variables = 17;
-constexpr std::size_t few_values = 64;  // of a part of a batch
-constexpr std::size_t few_in_run = 4;   // values, on average: below, each is read from its own place
+constexpr std::size_t few_values = 64;  // values of a part of a batch
+constexpr std::size_t few_in_run = 4;   // values of a run, on average: with fewer, each is read from its own place
 
 bool has_number(Code code) {
   switch (code) {
@@ -37,8 +37,9 @@ bool has_number(Code code) {
 
 }  // namespace
 
-/// Orders steps by how many must come before them, finds which batches go together, gives what is read later a range of
-/// places, and frees it after its last reader.
+/// Groups steps by their depth (the longest chain of steps before them) and operation, finds which batches can run
+/// together tile by tile, gives each batch that is read later a range of places, and frees the range after its last
+/// reader.
 class Batches::Scheduler {
  public:
   Scheduler(std::span<const Operation> steps, std::span<const Index> ends)
@@ -58,7 +59,7 @@ class Batches::Scheduler {
     place_.resize(groups_.size());
     tiles_of_.resize(groups_.size());
     made.places_.push_back(zero);
-    room_ = 1;  // of the zero
+    room_ = 1;  // for the zero
     for (std::size_t first = 0; first < groups_.size();) {
       std::size_t end = first + 1;
       if (is_sums(first)) {
@@ -119,7 +120,7 @@ class Batches::Scheduler {
   Code code_of(std::size_t g) const { return steps_[at(groups_[g][0])].code; }
   bool is_sums(std::size_t g) const { return long_.at(groups_[g][0]) != nullptr; }
 
-  /// Which batch reads each last, and which have their last reader where.
+  /// Sets last_[g], the batch that reads batch g last, and ending_[g], the batches whose last reader is g.
   void find_last_readers() {
     last_.resize(groups_.size());
     std::iota(last_.begin(), last_.end(), 0);
@@ -136,7 +137,7 @@ class Batches::Scheduler {
   }
 
   bool reads(std::size_t g, Part part) const { return steps_[at(groups_[g][0])].*part != none; }
-  /// What the operand of a step is, as a number that grows by one where values stand one after the other.
+  /// Returns a number for the operand of a step; the numbers of consecutive values differ by one.
   std::size_t source(Index i, Part part) const {
     const Index from = steps_[at(i)].*part;
     if (steps_[at(i)].code == Code::variable) return at(from);
@@ -156,9 +157,9 @@ class Batches::Scheduler {
     return count;
   }
 
-  /// The order in which most operands stand one after the other: as written, or by the place of one operand. Of sums
-  /// the longest first, so that those beside each other are of a length; then by the place of the last term, so that
-  /// terms of those beside each other stand one after the other.
+  /// Sorts the steps of a batch so that most operands are consecutive: as written, or by the place of one operand. Sums
+  /// go by decreasing length, so that those side by side have about as many terms; then by the place of the last term,
+  /// so that the terms of those side by side are consecutive.
   void order(std::vector<Index>& group) const {
     if (long_.at(group[0])) {
       std::ranges::stable_sort(group, {}, [&](Index i) {
@@ -182,7 +183,8 @@ class Batches::Scheduler {
     group = std::move(best);
   }
 
-  /// How far the batches from `first` on go together: `end` is moved behind the last. The length of their parts.
+  /// Moves `end` behind the last batch that can run together with those from `first` on, and returns the number of
+  /// values of the parts into which these batches are then divided.
   std::size_t extend(std::size_t first, std::size_t& end) const {
     std::size_t count = size_of(first);
     const auto begins = [&](Code code) {
@@ -200,7 +202,8 @@ class Batches::Scheduler {
     }
     return count;
   }
-  /// Whether every part of so many values of a batch reads, of those between the two, parts like itself.
+  /// Whether every part of `count` values of batch g reads whole parts, in order, of those batches from `first` to
+  /// `last` that it reads at all.
   bool is_aligned(std::size_t g, std::size_t first, std::size_t last, std::size_t count) const {
     for (const Part part : parts) {
       if (!reads(g, part)) continue;
@@ -217,7 +220,7 @@ class Batches::Scheduler {
     return true;
   }
 
-  /// Whether what a batch gives is read beyond those that it goes together with, which end there.
+  /// Whether a batch has readers from batch `end` on, behind those that it runs together with, or is an output.
   bool is_kept(std::size_t g, std::size_t end) const { return last_[g] == never || last_[g] >= end; }
 
   void write_together(Batches& made, std::size_t first, std::size_t end, std::size_t count) {
@@ -275,7 +278,7 @@ class Batches::Scheduler {
     return where;
   }
 
-  /// The operand in runs, of which each tile begins one; nothing where these are short.
+  /// Returns the operand as runs, of which each tile begins a new one; nothing where the runs would be short.
   std::optional<Operand> in_runs(Batches& made, std::span<const Index> some, Part part) const {
     std::vector<Run> runs;
     std::vector<Place> first_of_tile;
@@ -367,12 +370,12 @@ class Batches::Scheduler {
   std::span<const Index> ends_;
   LongSums long_;
   std::vector<std::vector<Index>> groups_;  ///< steps, in the order of evaluation
-  std::vector<std::size_t> group_of_, at_;  ///< of each step, and where it stands in it
-  std::vector<std::size_t> last_;           ///< of each group
+  std::vector<std::size_t> group_of_, at_;  ///< by step: its group, and its place in the group
+  std::vector<std::size_t> last_;           ///< by group: its last reader
   std::vector<std::vector<std::size_t>> ending_;
-  std::vector<Place> place_;                          ///< of what is kept, by group
-  std::vector<std::vector<std::uint32_t>> tiles_of_;  ///< of what is not: of each of its parts
-  std::map<Place, Place> free_;                       ///< from, how many
+  std::vector<Place> place_;                          ///< by group: its first place, if it is kept
+  std::vector<std::vector<std::uint32_t>> tiles_of_;  ///< by group that is not kept: the tile of each of its parts
+  std::map<Place, Place> free_;                       ///< free ranges of places: first place, length
   std::size_t room_ = 0, tiles_ = 0;
 };
 

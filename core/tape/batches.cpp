@@ -11,11 +11,11 @@ namespace least::tape {
 
 namespace {
 
-constexpr std::size_t at_once = 4;  // values of a run
+constexpr std::size_t at_once = 4;  // values of a run that are copied at a time
 
 }  // namespace
 
-/// A run is copied `at_once` values at a time: a few behind its end are overwritten by the next.
+/// A run is copied `at_once` values at a time: the few that are written behind its end are overwritten by the next run.
 __attribute__((always_inline)) inline void Batches::copy(const Run& run, const double* from, double* to) {
   if (run.moves) {
     for (std::size_t k = 0; k < run.length; k += at_once) std::copy_n(from + k, at_once, to + k);

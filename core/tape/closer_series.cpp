@@ -10,14 +10,14 @@
 namespace least::tape {
 namespace {
 
-/// The steps of a program, those that are linear in time first.
+/// Visits the steps of a program, those linear in time first.
 template <class Visit>
 void each_step(const Program& program, Visit&& visit) {
   for (const Step& step : program.linear) visit(step);
   for (const Step& step : program.steps) visit(step);
 }
 
-/// What a step divides by; none.
+/// Returns the value that a step divides by, or none.
 Index divisor_of(const Step& s) {
   switch (s.rule) {
     case Rule::quotient:
@@ -66,7 +66,7 @@ double CloserSeries::blur(const Program& program, const double* row) {
   const auto blurred = [&](Index value) { return value == none ? 0 : blurs_[at(value)]; };
   each_step(program, [&](const Step& s) {
     const double out = row[s.out], a = s.a == none ? 1 : row[s.a];
-    double by = 0, rounded = std::abs(out);  // what comes from the operands; what is rounded here
+    double by = 0, rounded = std::abs(out);  // error from the operands; magnitude that is rounded here
     switch (s.rule) {
       case Rule::sum:
         rounded = std::abs(s.c);
@@ -159,7 +159,7 @@ void CloserSeries::begin(const Program& program, const Step& s) {
   }
 }
 
-/// Order k > 0.
+/// Computes order k > 0 of a step.
 void CloserSeries::advance(const Program& program, const Step& s, std::size_t k) {
   DoubleDouble* const out = row(s.out);
   const DoubleDouble* const a = s.a == none ? nullptr : row(s.a);

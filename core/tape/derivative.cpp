@@ -7,7 +7,7 @@
 namespace least::tape {
 namespace {
 
-/// Whether a value is none that is known beforehand.
+/// Whether a node depends on the time or on a variable.
 bool varies(const Tape& tape, Index i) {
   return std::ranges::any_of(parts_of(tape, i),
                              [&](Index k) { return tape[k].op == Op::time || tape[k].op == Op::variable; });
@@ -19,7 +19,7 @@ std::vector<Index> parts_of(const Tape& tape, const Symbol& y) {
   return y.is_constant() ? std::vector<Index>() : parts_of(tape, y.place());
 }
 
-/// Which nodes, by their places, depend on one of the variables that are asked for.
+/// Returns, by node up to the last of `parts`, whether it depends on a variable that is `asked` for.
 template <class Asked>
 std::vector<bool> depending(const Tape& tape, const std::vector<Index>& parts, const Asked& asked) {
   std::vector<bool> all(nth(parts.back() + 1), false);
@@ -32,14 +32,15 @@ std::vector<bool> depending(const Tape& tape, const std::vector<Index>& parts, c
   return all;
 }
 
-/// The adjoints of sums of the same terms, until all of them are known: where the first of the sums stands.
+/// The adjoints `of` the sums of one Terms. They are complete when the walk back arrives at `first`, the first total of
+/// these terms on the tape.
 struct Adjoints {
   Index first = none;
   std::vector<Symbol> of;
 };
 
-/// Calls `see(number, slope)` for every variable that y, with these parts, is made of; where terms are kept, for those
-/// at least that are `asked` for.
+/// Reverse mode: calls see(number, ∂y/∂variable) for every variable that y depends on, but where terms are kept,
+/// perhaps only for those that are `asked` for. `parts` are the parts of y.
 template <class Asked, class See>
 void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, const Asked& asked, const See& see) {
   if (y.is_constant()) return;
@@ -69,7 +70,7 @@ void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, con
       continue;
     }
     if (is_zero(down)) continue;
-    const Node node = tape[i];  // what follows may move them
+    const Node node = tape[i];  // a copy: writing moves the nodes
     const Symbol x = Symbol::at(tape, i);
     const auto part = [&](Index k) { return Symbol::at(tape, k); };
     const auto add = [&](Index k, const Symbol& slope) { adjoint[number(k)] = adjoint[number(k)] + slope; };
@@ -91,7 +92,7 @@ void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, con
         break;
       case Op::multiply:
         if (node.a == node.b) {
-          add(node.a, down * Symbol(2) * part(node.a));  // twice `down` is one number for all squares of a sum
+          add(node.a, down * Symbol(2) * part(node.a));  // 2 `down` is one node for all squares of a sum
         } else {
           add(node.a, down * part(node.b));
           add(node.b, down * part(node.a));
@@ -157,7 +158,8 @@ void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, con
 }  // namespace
 
 std::vector<Index> parts_of(const Tape& tape, Index whole) {
-  thread_local std::vector<bool> seen;  // none of them between calls: what is looked at is not all of a large tape
+  thread_local std::vector<bool>
+      seen;  // all false between calls: resetting only what was seen costs less than a list per call on a large tape
   if (seen.size() < nth(tape.size())) seen.resize(nth(tape.size()), false);
   std::vector<Index> parts{whole};
   seen[nth(whole)] = true;
@@ -342,7 +344,7 @@ void Substitution::write_out(Index number, std::vector<Symbol>& sums) {
 
 std::size_t operations_written_out(const Tape& tape) {
   std::size_t all = nth(tape.size());
-  // Where terms share what they are made of, they take fewer operations than each by itself, but not many times fewer.
+  // Terms that share parts take fewer operations than the sum of each by itself, but not many times fewer.
   constexpr std::size_t shared = 2;
   std::vector<Index> seen;
   for (Index i = 0; i < tape.size(); ++i) {

@@ -7,18 +7,19 @@ namespace {
 
 typedef double FourTerms __attribute__((vector_size(32)));
 typedef double TwoNumbers __attribute__((vector_size(32), aligned(8), may_alias));
-/// This one and the next.
+/// The numbers *x and x[1].
 [[gnu::always_inline]] inline const TwoNumbers& two_from(const DoubleDouble* x) {
   static_assert(2 * sizeof(DoubleDouble) == sizeof(TwoNumbers));
   return *reinterpret_cast<const TwoNumbers*>(x);
 }
 
-/// What rounding has left of a product: by a fused multiplication, or by halves of the factors; the same to the bit.
+/// Sets `low` to the rounding errors x y − product, by fused multiplications or by splitting the factors in halves;
+/// both give the same bits.
 template <bool fused>
 [[gnu::always_inline]] inline void low_of(const FourTerms& x, const FourTerms& y, const FourTerms& product,
                                           FourTerms& low) {
   if constexpr (fused) {
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)  // which the compiler does not find for itself
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)  // the compiler does not find the instruction
     low = product;
     asm("vfmsub231pd %2, %1, %0" : "+x"(low) : "x"(x), "x"(y));
 #else
@@ -33,8 +34,8 @@ template <bool fused>
   }
 }
 
-/// What rounding leaves is summed apart. Four sums side by side, whatever the machine; what is left over is added
-/// alone.
+/// Rounding errors are summed separately. Four partial sums run side by side on every machine; the last terms are added
+/// one by one.
 template <bool fused>
 [[gnu::always_inline]] inline DoubleDouble convolve_by(const DoubleDouble* a, const DoubleDouble* b, std::size_t k,
                                                        std::size_t first, std::size_t last) {

@@ -8,7 +8,8 @@
 
 namespace least::tape {
 
-/// Gives the steps of a translation as few registers as they need at once, after those of the sums of its terms.
+/// Gives each step of a translation a register, reused after the last reader of its value. The sums of terms come first
+/// and keep their registers.
 class Formula::Allocator {
  public:
   Allocator(const Tape& tape, const Translation& from, Formula& formula, SharedSums* shared)
@@ -48,7 +49,7 @@ class Formula::Allocator {
     if (formula_.registers_ > std::numeric_limits<Register>::max()) throw TooManyOperations();
   }
 
-  /// Calls f with each step that this one reads a register of.
+  /// Calls f with each step whose register this step reads.
   template <class F>
   void for_each_read(const Operation& step, F&& f) const {
     if (step.code == Code::total) return;
@@ -66,7 +67,7 @@ class Formula::Allocator {
     for_each_read(step, [&](Index part) {
       if (last_[at(part)] != i) return;
       free_.push_back(given_[at(part)]);
-      last_[at(part)] = none;  // once, where it is named twice
+      last_[at(part)] = none;  // freed once, even if it is named twice
     });
   }
 
@@ -109,9 +110,9 @@ class Formula::Allocator {
   const Translation& from_;
   Formula& formula_;
   SharedSums* const shared_;
-  std::vector<Register> given_, free_;  ///< of each step; those that are free
-  std::vector<Index> last_;             ///< of each step its last reader
-  std::map<Index, Index> first_sum_;    ///< of terms the register of their first sum
+  std::vector<Register> given_, free_;  ///< by step; those that are free
+  std::vector<Index> last_;             ///< by step: its last reader
+  std::map<Index, Index> first_sum_;    ///< by terms: the register of their first sum
 };
 
 Formula::Formula(const Tape& tape, std::span<const Index> outputs, SharedSums* shared) {

@@ -29,7 +29,7 @@ class Fuser {
 
  private:
   const Operation& step(Index i) const { return from_.steps[nth(i)]; }
-  /// Whether a step is of this kind and read by one other alone.
+  /// Whether a step has this code, is not fused, and is read by one other step only.
   bool is_inner(Index i, Code code) const {
     return step(i).code == code && readers_[nth(i)] == 1 && made_[nth(i)].fused == Fused::nothing;
   }

@@ -7,7 +7,7 @@ namespace least::tape {
 
 namespace {
 
-constexpr std::size_t few_terms = 8;  // of a sum that is a step of its own
+constexpr std::size_t few_terms = 8;  // the fewest terms of a long sum
 
 std::size_t place_of(Index i) { return static_cast<std::size_t>(i); }
 

@@ -10,10 +10,10 @@
 namespace least::tape {
 namespace {
 
-/// What a node is made of, as far as this matters for whether its value is a number of a term.
+/// What a node depends on: constants alone; also on arguments that are a number for each term; or on what varies.
 enum class Depends : std::uint8_t { constant, number, varies };
 
-/// By node; `is_number`: whether an argument is a number.
+/// Returns the dependence of each node; is_number(k) says whether argument k is a number for each term.
 template <class F>
 std::vector<Depends> dependences(const Tape& tape, const F& is_number) {
   std::vector<Depends> all(nth(tape.size()), Depends::constant);
@@ -25,8 +25,8 @@ std::vector<Depends> dependences(const Tape& tape, const F& is_number) {
   return all;
 }
 
-/// Writes a formula anew, in which numbers that multiply are collected into one factor before they multiply what
-/// varies; a value that is read more than once has its factor applied once.
+/// Rewrites a formula so that numbers are multiplied with each other before they multiply what varies. A value that is
+/// read more than once has its factor applied once.
 class FactorCollector {
  public:
   FactorCollector(const Tape& from, Tape& to, std::vector<Depends> depends)
@@ -48,13 +48,13 @@ class FactorCollector {
 
   bool varies(Index i) const { return depends_[nth(i)] == Depends::varies; }
   Symbol whole(Index i) const { return made_[nth(i)].factor * made_[nth(i)].rest; }
-  /// As a factor of something else.
+  /// A node as an operand of a product.
   Product as_factor(Index i) const {
     if (!varies(i)) return {whole(i), 1};
     return uses_[nth(i)] > 1 ? Product{1, whole(i)} : made_[nth(i)];
   }
 
-  /// Powers of the same are one power: one root is drawn, and one quotient taken.
+  /// a b, where powers of the same base become one power, which takes one root and one quotient.
   static Symbol times(const Symbol& a, const Symbol& b) {
     Symbol base, other;
     double p = 0, q = 0;
@@ -77,7 +77,7 @@ class FactorCollector {
       const Product a = as_factor(node.a);
       return {a.factor, over(a.rest, whole(node.b))};
     }
-    // Everything else is written as it stands.
+    // Every other operation is copied, with rewritten operands.
     std::vector<Symbol> parts;
     Tape one;
     Node copy = node;
@@ -107,7 +107,7 @@ PreparedTerms::PreparedTerms(const Tape& tape, const Terms& terms)
   for (std::size_t k = 0; k < numbers_.size(); ++k)
     if (is_all(tape, terms, static_cast<Index>(k), Op::constant))
       for (std::size_t t = 0; t < count_; ++t) numbers_[k].push_back(tape[terms.given[k * count_ + t]].value);
-  // An argument that is the same number of all terms is a constant.
+  // An argument that is the same number for all terms becomes a constant.
   const Tape typed = tape_of(terms);
   Tape folded, collected;
   Substitution fold(typed, folded, [&](int i) {
@@ -126,7 +126,7 @@ PreparedTerms::PreparedTerms(const Tape& tape, const Terms& terms)
 void PreparedTerms::precompute(const Tape& from) {
   const auto is_number = [&](double argument) { return !numbers_[static_cast<std::size_t>(argument)].empty(); };
   const std::vector<Depends> depends = dependences(from, is_number);
-  std::vector<bool> asked(nth(from.size()), false);  // numbers that what varies reads
+  std::vector<bool> asked(nth(from.size()), false);  // numbers that results or nodes that vary read
   const auto ask = [&](Index part) {
     const bool made = depends[nth(part)] == Depends::number && from[part].op != Op::variable;
     asked[nth(part)] = asked[nth(part)] || made;
@@ -144,7 +144,7 @@ void PreparedTerms::precompute(const Tape& from) {
     if (asked[nth(i)]) {
       node = {.op = Op::variable, .value = static_cast<double>(next++)};
     } else if (depends[nth(i)] == Depends::number && node.op != Op::variable) {
-      continue;  // numbers alone read it
+      continue;  // only other numbers read it
     }
     for (Index* part : {&node.a, &node.b, &node.c})
       if (*part != none) *part = made[nth(*part)];

@@ -24,7 +24,7 @@ Program::Effort effort_of(const Program& program) {
     const bool called = step.function != Op::constant && step.products == 0;
     if (called || step.rule == Rule::power || step.rule == Rule::root) ++effort.dear;
   }
-  std::size_t slots = 3;  // in whole fours
+  std::size_t slots = 3;  // rounds up to whole fours
   for (std::size_t i = 0; i < program.motion_lanes; ++i) slots += program.lane_a[i] == program.lane_b[i] ? 1 : 2;
   effort.fours = slots / 4;
   return effort;

@@ -58,7 +58,7 @@ Series::Series(Program program, int order, bool unroll)
       rows_(((static_cast<std::size_t>(order) + 1) * stride_ + 4) / 8 + 1),
       trial_(stride_),
       lanes_(unrolled_ ? program_.low.size() / 2 * (static_cast<std::size_t>(order) + 1) : 0) {
-  trial_[at(program_.time())] = std::numeric_limits<double>::quiet_NaN();  // of no state yet
+  trial_[at(program_.time())] = std::numeric_limits<double>::quiet_NaN();  // no state was asked for yet
 }
 Series::Series(Series&& other) noexcept = default;
 Series::~Series() = default;
@@ -115,7 +115,7 @@ bool Series::defined(const double* x, double t) {
   begin(trial_.data());
   for (std::size_t i = 0; i < program_.moving; ++i)
     if (!std::isfinite(trial_[at(program_.rate[i])]))
-      return !program_.partial && !program_.steep.empty();  // what is steep may overflow in a divisor
+      return !program_.partial && !program_.steep.empty();  // a steep function in a divisor may overflow harmlessly
   return true;
 }
 

@@ -6,7 +6,7 @@
 namespace least::tape {
 
 SeriesReading::SeriesReading(Program& program, std::size_t widest) : batches_(program), widest_(widest) {
-  // Rows that lie an odd number of lines apart share few places of a cache.
+  // Rows that are an odd number of lines apart spread over all sets of a cache.
   constexpr std::size_t line = StepBatches::width;
   const std::size_t lines = (at(program.rows) + batches_.copied.size()) / line + 2;
   stride_ = (lines + 1 - lines % 2) * line;

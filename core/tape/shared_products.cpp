@@ -7,7 +7,7 @@
 namespace least::tape {
 namespace {
 
-/// Writes the lists of a program anew, step by step. Steps that are linear in time have no products.
+/// Rewrites the lists of a program, step by step. Steps linear in time have no products.
 class ProductSharing {
  public:
   explicit ProductSharing(Program& program)
@@ -51,7 +51,7 @@ class ProductSharing {
       value_of_[at(products.front().lane)] = s.out;
     append(s, values, products);
   }
-  /// The value that a product is, which is made where there is none yet.
+  /// Returns the value that equals a product; its step is written when it is first needed.
   Index value_of(const Program::Product& term) {
     Index& value = value_of_[at(term.lane)];
     if (value == none) {
@@ -72,7 +72,8 @@ class ProductSharing {
   }
 
   Program& p_;
-  std::vector<int> uses_;        ///< by lane, in sums of the motion, which does not depend on what follows after it
+  std::vector<int>
+      uses_;  ///< by lane: how often sums of the motion use it; the motion must not depend on the other steps
   std::vector<Index> value_of_;  ///< by lane
   std::vector<Step> steps_;
   std::vector<Program::Value> values_;

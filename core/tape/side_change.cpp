@@ -31,13 +31,13 @@ double told_until(std::span<const double> c, double end, double tolerance) {
 
 namespace {
 
-/// The polynomial about the middle of a stretch, in units of half of it.
+/// The polynomial expanded about the middle of a stretch, in the variable (time − middle)/half length.
 class Centred {
  public:
   Centred(std::span<const double> c, const Stretch& on) {
     const double middle = 0.5 * (on.low + on.high), half = 0.5 * (on.high - on.low);
     std::ranges::copy(c, about_.begin());
-    for (std::size_t first = 0; first + 1 < c.size(); ++first)  // Horner's scheme, again and again
+    for (std::size_t first = 0; first + 1 < c.size(); ++first)  // repeated Horner scheme
       for (std::size_t k = c.size() - 1; k-- > first;) about_[k] += about_[k + 1] * middle;
     double power = 1;
     for (std::size_t k = 0; k < c.size(); ++k, power *= half) {
@@ -58,10 +58,10 @@ class Centred {
 }  // namespace
 
 std::optional<Stretch> first_change(std::span<const double> c, double end, bool negative) {
-  constexpr int most_looks = 2000;      // a value that is hardly any number vanishes everywhere
-  constexpr double shortest = 0x1p-44;  // of all of it: there two zeros are as good as none
+  constexpr int most_looks = 2000;      // a value that is almost zero throughout would be halved everywhere
+  constexpr double shortest = 0x1p-44;  // part of [0, end]: two zeros so close count as none
   const auto left = [&](double time) { return (value_at(c, time) < 0) != negative; };
-  std::array<double, 64> ends;  // of the stretches that are still to be looked at, the last one first
+  std::array<double, 64> ends;  // ends of the stretches that are still to be examined, the last one first
   std::size_t count = 0;
   ends[count++] = end;
   double low = 0;

@@ -34,7 +34,7 @@ class BitRows {
   std::vector<std::uint64_t> bits_;
 };
 
-/// What each sum of the terms reads.
+/// Returns, by sum of the terms, the variables that it reads.
 BitRows reads_of_sums(const Terms& terms, const BitRows& reads, std::size_t variables) {
   const auto at = [](Index i) { return static_cast<std::size_t>(i); };
   BitRows sums(at(terms.sums), variables);
@@ -56,7 +56,7 @@ SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs,
   Index last = none;
   for (const Index output : outputs) last = std::max(last, output);
   BitRows reads(at(last + 1), variables);
-  std::map<Index, BitRows> sums;  // of terms
+  std::map<Index, BitRows> sums;  // by number of terms
   for (Index i = 0; i <= last; ++i) {
     const Node& node = tape[i];
     if (node.op == Op::total) {
@@ -79,7 +79,7 @@ SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs,
     pattern_.push_back(rows.members(i));
     for (const std::uint32_t j : pattern_[i]) readers[j].push_back(static_cast<std::uint32_t>(i));
   }
-  // Every variable goes with the first that it shares no row with.
+  // Greedy colouring: every variable goes into the first direction none of whose variables it shares a row with.
   constexpr auto unplaced = static_cast<std::uint32_t>(-1);
   std::vector<std::uint32_t> direction(variables, unplaced), taken;
   for (std::uint32_t j = 0; j < variables; ++j) {
@@ -104,7 +104,8 @@ SparseJacobian::SparseJacobian(const Tape& tape, std::span<const Index> outputs,
   }
 }
 
-/// Unless that takes more than what four dual directions cost, about: derivatives of derivatives may be long.
+/// Writes the entries as formulas, unless these cost more than about four dual directions do: derivatives of
+/// derivatives may be long.
 void SparseJacobian::write_out(Tape tape, std::span<const Index> outputs, Kind kind) {
   constexpr std::size_t cost_of_directions = 3;
   std::vector<int> variables(variables_);

@@ -9,13 +9,13 @@ namespace {
 
 using Kind = SteepArgument::Kind;
 
-constexpr double nothing = -64, plenty = 100;  // e-foldings: of e^x below and above
-constexpr double apart = 40;                   // of sech x beyond ±40
-constexpr double equal = 20;                   // of tanh x beyond ±20, to the last bit
-constexpr double weight = 3;                   // of tanh, whose slope 1 − tanh² loses digits where e^x keeps them
+constexpr double nothing = -64, plenty = 100;  // e-foldings beyond which e^x is negligible, or large enough
+constexpr double apart = 40;                   // sech x is negligible beyond ±40
+constexpr double equal = 20;                   // tanh x is ±1 to the last bit beyond ±20
+constexpr double weight = 3;  // of e-foldings of tanh: its slope 1 − tanh² loses digits where e^x keeps them
 constexpr double high_power = 6;
 
-/// Of a thread: arguments at one time, and at all looks; states on the way, and a rate.
+/// Memory of a thread: arguments at one time and at all looks, a state within the step, and its rate.
 struct Scratch {
   std::vector<double> values;
   std::vector<SteepLooks> looks;
@@ -30,14 +30,14 @@ Scratch& scratch(std::size_t arguments, std::size_t components) {
   return kept;
 }
 
-/// The steps that the motion needs: those that are linear in time, then the others.
+/// Visits the steps that the motion needs: those linear in time, then the others.
 template <class Visit>
 void each_motion_step(const Program& program, Visit&& visit) {
   for (const Step& step : program.linear) visit(step);
   for (std::size_t i = 0; i < program.motion_steps; ++i) visit(program.steps[i]);
 }
 
-/// The nodes that outputs are made of.
+/// Returns, by node, whether the outputs depend on it.
 std::vector<bool> needed_for(const Tape& tape, std::span<const Index> outputs) {
   std::vector<bool> needed(at(tape.size()), false);
   for (const Index output : outputs) needed[at(output)] = true;
@@ -153,7 +153,7 @@ std::vector<Index> branch_values(const Program& program) {
 
 namespace {
 
-/// What the choices go by that the outputs depend on.
+/// Returns the nodes whose signs make the choices on which the outputs depend.
 std::vector<Index> switches_of(const Tape& tape, std::span<const Index> outputs) {
   std::vector<Index> all;
   for (Index i = 0; i < tape.size(); ++i)
@@ -164,7 +164,7 @@ std::vector<Index> switches_of(const Tape& tape, std::span<const Index> outputs)
   return all;
 }
 
-/// The state of a step at the time after its beginning that is the part of it, by Hermite's cubic polynomials.
+/// Writes the state at the part `part` of a step, from 0 to 1, by cubic Hermite interpolation.
 void place_within(const SteepStep& step, double part, double* y) {
   const double h = step.end.t - step.start.t, rest = 1 - part, time = part * h;
   const double a = rest * rest * (1 + 2 * part), b = part * part * (1 + 2 * rest);
@@ -174,7 +174,7 @@ void place_within(const SteepStep& step, double part, double* y) {
   if (step.complete) step.complete(step.problem, step.start.t + time, y);
 }
 
-/// An argument at a part of the step, along straight lines from look to look.
+/// Returns an argument at a part of the step by linear interpolation between looks.
 double between(const SteepLooks& looks, double part) {
   const double place = part * (steep_looks - 1);
   const std::size_t k = std::min(static_cast<std::size_t>(place), steep_looks - 2);
@@ -189,7 +189,7 @@ SteepForces::SteepForces(const Tape& tape, std::span<const Index> rates)
   std::vector<Index> arguments;
   for (const SteepArgument& steep : steep_) arguments.push_back(steep.argument);
   arguments_ = Formula(tape, arguments);
-  // Evaluated once, so that what a thread keeps for it is there before the first step.
+  // One evaluation allocates the memory of the thread before the first step.
   Scratch& kept = scratch(std::max(steep_.size(), switches_.outputs()), variables_);
   switches_.evaluate(kept.within.data(), 0.0, kept.values.data());
   arguments_.evaluate(kept.within.data(), 0.0, kept.values.data());
@@ -225,10 +225,10 @@ double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::
   return part < h && start + less * part > start ? less * part : h;
 }
 
-/// Along the cubic polynomials. A look takes all arguments, and each of them asks for some of its own: of thousands
-/// only the first ones get theirs, and what lies between looks counts as straight for the others.
+/// Follows the arguments along the cubic polynomials. A look evaluates all arguments, and each argument needs some
+/// looks of its own: of thousands of arguments only the first ones get them, and the others are interpolated linearly.
 double SteepForces::resolved_length(const SteepStep& step) const {
-  constexpr std::size_t most_operations = 1 << 20;  // of such looks in a step: about a millisecond
+  constexpr std::size_t most_operations = 1 << 20;  // operations of these looks in a step: about a millisecond
   const double start = step.start.t, h = step.end.t - start;
   auto& [values, looks, within, last_rate] = scratch(steep_.size(), std::max(variables_, step.components));
   const auto observe = [&, &numbers = values, &y = within](double time) {
@@ -255,8 +255,8 @@ double SteepForces::resolved_length(const SteepStep& step) const {
   return length;
 }
 
-/// The step is to end right before the first choice changes; from there the next one hops over the change, which costs
-/// no accuracy: in such a step the state hardly moves, or rounding of the time hides it.
+/// The step has to end right before the first choice changes. The next step then hops over the change, which costs no
+/// accuracy: during the hop the state hardly moves, or the hop is as short as the rounding of the time.
 double SteepForces::until_switch(const SteepStep& step, double tolerance) const {
   const std::size_t count = switches_.outputs();
   const double h = step.end.t - step.start.t;
@@ -279,8 +279,8 @@ double SteepForces::until_switch(const SteepStep& step, double tolerance) const 
     observe(static_cast<double>(k) / (steep_looks - 1));
     for (std::size_t i = 0; i < count; ++i) looks[i][k] = values[i];
   }
-  // Of all choices at once, between the first two looks at which any of them differs: as many looks for many as for
-  // one.
+  // Bisects for all choices at once, between the first two looks between which any of them changes: many choices take
+  // as many looks as one.
   const auto changed = [&seen = looks](std::size_t i, std::size_t k) {
     return (seen[i][k - 1] < 0) != (seen[i][k] < 0);
   };

@@ -13,8 +13,8 @@
 namespace least::tape {
 namespace {
 
-constexpr std::size_t fewest_alike = 4;       // fewer are computed one by one
-constexpr std::size_t most_of_unrolled = 64;  // steps, which have the same bits as they are
+constexpr std::size_t fewest_alike = 4;       // with fewer, steps are computed one by one
+constexpr std::size_t most_of_unrolled = 64;  // steps: such programs keep the bits of the unrolled series
 
 std::size_t filled_up(std::size_t count) {
   return (count + StepBatches::width - 1) / StepBatches::width * StepBatches::width;
@@ -26,7 +26,7 @@ constexpr bool reads_b(Rule rule) {
   return rule == Rule::quotient || rule == Rule::linear_quotient || rule == Rule::select;
 }
 constexpr bool reads_w(Rule rule) { return rule == Rule::select || rule == Rule::linear_product; }
-/// Whether it has a value b or w at all: of some it needs lower orders only.
+/// Whether a step of the rule has a value b or w at all, of which it may need lower orders only.
 constexpr bool has_b(Rule rule) {
   return reads_b(rule) || rule == Rule::power || rule == Rule::integral || rule == Rule::log_like;
 }
@@ -39,7 +39,7 @@ constexpr bool has_lane(Rule rule) {
          rule == Rule::log_like;
 }
 
-/// Calls f with each value that a step reads of the order that it makes.
+/// Calls f with each value of which a step reads the order that it computes.
 template <class F>
 void for_each_read(const Program& p, const Step& s, F&& f) {
   if (reads_a(s.rule) && s.a != none) f(s.a);
@@ -52,8 +52,8 @@ void for_each_read(const Program& p, const Step& s, F&& f) {
 
 }  // namespace
 
-/// Groups steps that have the same rule, as many operands of each kind, and the same depth in the chain of what depends
-/// on what; and numbers everything anew.
+/// Groups steps of the same rule, numbers of operands and depth (the longest chain of dependences within an order), and
+/// renumbers steps, values and lanes.
 class StepBatches::Arrangement {
  public:
   Arrangement(Program& program, StepBatches& made) : p_(program), made_(made) {
@@ -72,7 +72,7 @@ class StepBatches::Arrangement {
     Op function;
     Index values, products;
     bool has_a, has_weighted;
-    std::uint64_t squares;  ///< which of the products are
+    std::uint64_t squares;  ///< bits of the products that are squares
 
     auto key() const {
       return std::tie(beyond_motion, depth, rule, function, values, products, has_a, has_weighted, squares);
@@ -92,14 +92,14 @@ class StepBatches::Arrangement {
         i >= p_.motion_steps,         depth,  s.rule, s.function, s.values, s.products, reads_a(s.rule) && s.a != none,
         s.weighted != Program::waste, squares};
   }
-  /// Whether steps of a kind may be a batch: rules that are rare are not worth it; and squares have another formula
-  /// than products of two, so that a batch has to have them at the same places.
+  /// Whether steps of a kind may form a batch. Rare rules are not worth it. Squares have another formula than products
+  /// of two, so they have to be at the same places in all steps, which `squares` can tell for 64 products.
   static bool can_be_batched(const Kind& kind) {
     const bool often = kind.rule == Rule::sum || has_lane(kind.rule);
     return often && (kind.squares == 0 || kind.products <= most_products_with_squares);
   }
 
-  /// Steps of a kind, each in the order of the program.
+  /// Groups the steps by kind, each group in the order of the program.
   void group() {
     std::vector<Index> depth(at(p_.rows), 0);
     std::map<Kind, std::vector<std::size_t>> all;
@@ -119,8 +119,8 @@ class StepBatches::Arrangement {
     }
   }
 
-  /// Orders groups and their steps so that operands mostly stand one after the other: groups whose steps read little
-  /// come first, and the steps that make their operands follow their order.
+  /// Orders the steps within groups so that operands are mostly consecutive. Groups whose steps read little are ordered
+  /// first, and the steps that compute their operands take over their order.
   void order() {
     std::vector<std::size_t> maker(at(p_.rows), p_.steps.size());
     for (std::size_t i = 0; i < p_.steps.size(); ++i) maker[at(p_.steps[i].out)] = i;
@@ -152,7 +152,7 @@ class StepBatches::Arrangement {
     }
   }
 
-  /// Steps in the order of groups, and values in that of steps.
+  /// Puts steps in the order of groups, and numbers values in the order of steps.
   void number_values() {
     std::vector<Index> to(at(p_.rows), none);
     for (Index i = 0; i <= p_.time(); ++i) to[at(i)] = i;
@@ -168,7 +168,8 @@ class StepBatches::Arrangement {
             const Step& s = p_.steps[group.steps[k]];
             to[at(weighted ? s.weighted : s.out)] = static_cast<Index>(next + k);
           }
-          next += filled_up(group.steps.size()) + width;  // the last of its batches may begin anywhere
+          next += filled_up(group.steps.size()) +
+                  width;  // the last of its batches may begin at any value and writes whole registers
         }
       } else {
         if (made_.pieces.empty() || made_.pieces.back().is_batch) made_.pieces.push_back({false, steps.size(), 0});
@@ -202,8 +203,8 @@ class StepBatches::Arrangement {
     for (SteepArgument& steep : p_.steep) move(steep.argument);
   }
 
-  /// Sorts lanes by their factors, so that factors of neighbouring lanes are neighbours, too. Factors of the remaining
-  /// lanes are copied behind all values in every order. Lanes that nothing reads are left out.
+  /// Sorts lanes by their factors, so that factors of adjacent lanes are adjacent values. Where they are not, the
+  /// factors are copied behind all values in every order. Lanes that nothing reads are dropped.
   void number_lanes() {
     const std::size_t count = p_.lane_a.size();
     for (std::size_t i = 0; i < count; ++i)
@@ -266,7 +267,7 @@ class StepBatches::Arrangement {
     for (auto* list : {&p_.low, &p_.high, &p_.slot}) list->clear();
   }
 
-  /// Of steps one after the other, one of the places of each.
+  /// Returns the column of `place(step)` of consecutive steps.
   template <class Place>
   Column column(std::span<const Step> steps, Place&& place) {
     const Index first = place(steps.front());
@@ -279,7 +280,7 @@ class StepBatches::Arrangement {
     return made;
   }
 
-  /// Calls f with a function that gives a place of a step, of each of them that steps alike have.
+  /// Calls f, for each operand that steps like this one have, with a function that returns its place in a step.
   template <class F>
   void for_each_place(const Step& like, F&& f) const {
     if (reads_a(like.rule)) f(std::mem_fn(&Step::a));
@@ -293,10 +294,10 @@ class StepBatches::Arrangement {
         f([this, i, part](const Step& s) { return p_.products[at(s.first_product + i)].*part; });
   }
 
-  /// Groups become batches, each one or several: where places that mostly follow one another begin anew, a next one
-  /// begins. What is filled up behind a batch is computed after it.
+  /// Writes each group as one or several batches: a new batch begins where otherwise consecutive places of operands
+  /// break. The padding behind a batch belongs to values that are computed after it.
   void write_batches() {
-    constexpr std::size_t worth_it = width;  // steps, on average
+    constexpr std::size_t worth_it = width;  // steps of a batch, on average
     std::vector<Piece> found;
     std::vector<bool> begins;
     for (const Piece& piece : made_.pieces) {

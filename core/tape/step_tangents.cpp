@@ -6,11 +6,11 @@
 
 #include "core/tape/step_passes.hpp"
 #include "core/tape/tangent_rules.hpp"
-#include "core/tape/wide.hpp"  // registers of each width there is: what is computed does not depend on them
+#include "core/tape/wide.hpp"  // results do not depend on the width of registers
 
 namespace least::tape {
 
-/// The terms and sums of the steps of a program, without their factors.
+/// Plan appends the terms and sums of a step, without their factors, when `derive` calls it.
 struct StepTangents::Plan {
   StepTangents& of;
   bool moves(Index x) const { return x != none && of.slot_[tape::at(x)] != none; }
@@ -24,7 +24,7 @@ struct StepTangents::Plan {
       of.sums_.push_back({of.slot_[tape::at(x)], y, of.reach_[tape::at(x)], reach, a, b, Side{}});
   }
 };
-/// Their factors where one step of the motion begins.
+/// Factors sets the factors of the planned terms and sums in the lane `step`, from order 0.
 struct StepTangents::Factors {
   StepTangents& of;
   std::size_t step;
@@ -84,7 +84,7 @@ const StepTangents::Side* StepTangents::series_of(std::size_t i, std::size_t c, 
   return group.rows.data() + slot * (order_ + 1) * stride + (c - group.first);
 }
 
-/// Order 0 of a step, and what follows from it.
+/// Computes order 0 and the factors that follow from it, for one of the steps side by side.
 void StepTangents::begin(std::size_t step, const double* y, double t) {
   double* const row = row_.data();
   const Lists lists{program_.values.data(), program_.products.data()};
@@ -169,7 +169,7 @@ void StepTangents::change_in(double h, std::size_t step, double* change) const {
 }
 
 const StepTangents::Side* StepTangents::series_along(std::size_t i) const {
-  std::size_t stride = 0;  // of one direction: none stand between
+  std::size_t stride = 0;  // 1: there is one direction
   if (i >= program_.moving) return series_of(i - program_.moving, 0, stride);
   return rows_.data() + place(Program::first_variable + static_cast<Index>(i), 0);
 }

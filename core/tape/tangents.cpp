@@ -37,7 +37,8 @@ Kinds::Kinds(const Program& p) : moves(at(p.rows), false), reach(at(p.rows), eve
 
 namespace {
 
-/// Σ cⱼ tⱼ over j < n, of G fours from f on of each of B sums: they do not wait for each other. t goes on by `on`.
+/// Computes Σ cⱼ tⱼ over j < n for B sums side by side, which do not wait for each other, and for G fours of each from
+/// four number f on. tⱼ are `on` fours apart.
 template <std::size_t B, std::size_t G>
 [[gnu::always_inline]] inline void sum_terms(const double* const* c, const Four* const* t, std::size_t on,
                                              std::size_t f, std::size_t n, Four* const* to) {
@@ -60,9 +61,9 @@ template <std::size_t B, std::size_t G>
 
 }  // namespace
 
-/// One level, order after order. In the recurrence of a step, Σ wⱼ aⱼ b_{k−j}, tangents of orders below k make sums
-/// that are found first, side by side; those of the order k are multiplied with what is known from order 0 of the
-/// series.
+/// Pass computes one level, order by order. In a differentiated recurrence, the sums over tangents of orders below k
+/// are computed first, several at a time; then tangents of order k are added, whose factors are known from order 0 of
+/// the series.
 class Tangents::Pass {
  public:
   Pass(Tangents& of, const Series& series, Level& level, const Level* first, const double* shares)
@@ -128,7 +129,7 @@ class Tangents::Pass {
     of_.weights_.resize(of_.sums_.size() * orders);
     of_.found_.resize(std::max(of_.found_.size(), of_.sums_.size() * fours_));
   }
-  /// What the derivative of a step is made of, one after the other.
+  /// Taken appends the terms and sums of a step, with their factors, when `derive` calls it.
   struct Taken {
     Pass& pass;
     double value(Index value) const { return pass.value(value); }
@@ -141,7 +142,7 @@ class Tangents::Pass {
     }
   };
 
-  /// Of all sums, those over many terms by four.
+  /// Computes all sums; those over all lower orders run four at a time.
   [[gnu::always_inline]] inline void find_sums() {
     constexpr std::size_t most = 4;
     const double* c[most];
@@ -198,7 +199,7 @@ class Tangents::Pass {
     if (first_) add_pairs(s, out->begin());
   }
 
-  /// What products of first derivatives add to the second one of a step.
+  /// Adds to the second derivatives of a step what products of first derivatives contribute.
   void add_pairs(const Step& s, double* out) const {
     const double k = static_cast<double>(k_), part = k_ > 0 ? 1 / k : 1;
     switch (s.rule) {
@@ -232,7 +233,7 @@ class Tangents::Pass {
         break;
     }
   }
-  /// Σ (α + β j) x′ⱼ y′_{k−j} of the two directions of a pair, and of these exchanged.
+  /// Adds Σ (α + β j) x′ⱼ y′_{k−j} for each pair, with the two directions of the pair and with these exchanged.
   void add_pairs(Index x, Index y, double alpha, double beta, double* out) const {
     if (!moves(x) || !moves(y)) return;
     const std::size_t end = std::min(k_ + 1, reach(x));

@@ -1,4 +1,4 @@
-// How terms become columns, segments and steps.
+// How TermSums turns terms into columns, segments and steps.
 #include <algorithm>
 #include <numeric>
 
@@ -10,16 +10,16 @@
 
 namespace least::tape {
 
-/// Terms in an order, and how many segments they make.
+/// Order is an order of the terms, and counts the segments that it makes.
 class TermSums::Order {
  public:
-  /// `columns`: places by term of what is read and of what is added to.
+  /// `columns`: by operand and by result, the places of all terms.
   Order(std::vector<std::span<const std::uint32_t>> columns, std::size_t count)
       : columns_(std::move(columns)), terms_(count) {
     std::iota(terms_.begin(), terms_.end(), 0);
   }
 
-  /// By how far the first two places that they read lie apart; those that are equally far stay in their order.
+  /// Sorts terms by the distance between the first two places that they read; terms of equal distance keep their order.
   void sort_by_distance() {
     if (columns_.size() < 2) return;
     const auto distance = [&](std::uint32_t term) {
@@ -30,12 +30,13 @@ class TermSums::Order {
       least = std::min(least, distance(t));
       most = std::max(most, distance(t));
     }
-    std::vector<std::uint32_t> next(static_cast<std::size_t>(most - least) + 2, 0);  // where those of a distance begin
+    std::vector<std::uint32_t> next(static_cast<std::size_t>(most - least) + 2,
+                                    0);  // where the terms of a distance begin
     for (std::uint32_t t = 0; t < terms_.size(); ++t) ++next[static_cast<std::size_t>(distance(t) - least) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
     for (std::uint32_t t = 0; t < terms_.size(); ++t) terms_[next[static_cast<std::size_t>(distance(t) - least)]++] = t;
   }
-  /// Calls f(first term, how many) of each segment: of a tile at most, in which each column moves or stays.
+  /// Calls f(first, count) for each segment: at most a tile of terms, along which each column moves or stays.
   template <class F>
   void each_segment(const F& f) const {
     for (std::size_t begin = 0, end = 1; begin < terms_.size(); begin = end++) {
@@ -51,8 +52,8 @@ class TermSums::Order {
   const std::vector<std::uint32_t>& terms() const { return terms_; }
 
  private:
-  /// Whether the term at `end` continues a segment from `begin` to there: each place is the next one or the same, as
-  /// that of the second term was.
+  /// Whether the term at `end` continues the segment that begins at `begin`: each of its places is the next one or the
+  /// same, as the second term of the segment decided.
   bool goes_on(std::size_t begin, std::size_t end) const {
     for (const auto& column : columns_) {
       const std::uint32_t from = column[terms_[begin]], next = column[terms_[begin + 1]], here = column[terms_[end]];
@@ -76,7 +77,7 @@ TermSums::TermSums(const Tape& tape, const Terms& terms, const std::function<std
 
 void TermSums::set_columns(const Tape& tape, const Terms& terms, const PreparedTerms& prepared,
                            const std::function<std::uint32_t(Index)>& registered) {
-  // Of all arguments those that are read.
+  // Only arguments that the formula reads become columns.
   Tape lean;
   Substitution renumber(prepared.formula(), lean, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
@@ -110,12 +111,12 @@ void TermSums::set_columns(const Tape& tape, const Terms& terms, const PreparedT
   set_steps(lean, results);
 }
 
-/// Tiles are given out as registers are, and freed when their last reader is done.
+/// Tiles are allocated like registers: a tile is free after its last reader.
 void TermSums::set_steps(const Tape& tape, std::span<const Index> results) {
   const Translation from = translated(tape, results);
   const std::vector<FusedStep> all = fused(from);
   const std::size_t size = all.size();
-  std::vector<std::size_t> last(size, size);  // nobody
+  std::vector<std::size_t> last(size, size);  // no reader
   for (std::size_t i = 0; i < size; ++i)
     if (!all[i].absorbed) for_each_operand(all[i].operation, [&](Index part) { last[nth(part)] = i; });
   for (const Index end : from.ends) last[nth(end)] = size;
@@ -189,7 +190,7 @@ void TermSums::set_segments() {
       reach_.push_back(column.source == Source::number ? Reach{} : reach(column.first));
     for (const Result& result : results_) reach_.push_back(reach(result.first));
   });
-  // From now on all of them are in this order.
+  // Numbers and places are now put in this order.
   const auto reorder = [&](auto& list, std::uint32_t first) {
     std::vector moved(list.begin() + first, list.begin() + first + static_cast<std::ptrdiff_t>(count_));
     for (std::size_t t = 0; t < count_; ++t) list[first + t] = moved[order.terms()[t]];

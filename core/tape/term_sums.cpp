@@ -47,8 +47,8 @@ namespace least::tape {
   }
 }
 
-/// All results of a segment before those of the next one: a sum that was just written is read again only when that has
-/// reached the memory next to the processor.
+/// Adds all results of a segment before those of the next one, so that the store of a sum is complete before the sum is
+/// read again.
 [[gnu::always_inline]] inline void TermSums::add_segments(const Tile& some, const double* const* operand,
                                                           double* sums) const noexcept {
   std::size_t begin = 0;

@@ -8,15 +8,14 @@
 namespace least::tape {
 namespace {
 
-/// Operands so that variables stand by their numbers: what is read of terms one after the other then mostly stands one
-/// after the other, too.
+/// Sorts operands so that variables go by their numbers: consecutive terms then mostly add to consecutive sums.
 std::vector<Index> in_order_of_variables(const Tape& tape, std::vector<Index> operands) {
   constexpr double last = std::numeric_limits<double>::infinity();
   std::ranges::stable_sort(operands, {}, [&](Index i) { return tape[i].op == Op::variable ? tape[i].value : last; });
   return operands;
 }
 
-/// What all terms have in common for the adjoint of a result; nothing where they differ or it is no number.
+/// Returns the adjoint of a result if it is the same constant for all terms, else null.
 const Symbol* common_adjoint(const Terms& terms, std::size_t result, std::span<const Symbol> adjoint) {
   const Symbol* common = nullptr;
   for (Index t = 0; t < terms.count; ++t) {
@@ -39,7 +38,7 @@ Tape tape_of(const Terms& terms) {
 
 std::vector<std::pair<Index, Symbol>> slopes_of_terms(Tape& tape, Index number, std::span<const Symbol> adjoint,
                                                       const std::function<bool(Index)>& wanted) {
-  const Terms terms = tape.terms(number);  // what is written below may move it
+  const Terms terms = tape.terms(number);  // a copy: what is written below may move the terms
   std::vector<Index> operands;
   std::ranges::copy_if(terms.operands, std::back_inserter(operands), wanted);
   operands = in_order_of_variables(tape, std::move(operands));

@@ -32,7 +32,8 @@ class Translator {
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   bool fixed(Index i) const { return tape_[i].op == Op::constant; }
 
-  /// What terms read that has to be computed before: neither numbers nor variables are.
+  /// Returns the operands of terms that have to be computed before: those of arguments that are neither constants nor
+  /// variables.
   const std::vector<Index>& operands_of(Index number) {
     const auto [operands, is_new] = operands_.try_emplace(number);
     if (!is_new) return operands->second;
@@ -52,7 +53,7 @@ class Translator {
     made_.steps.push_back(step);
     return static_cast<Index>(made_.steps.size()) - 1;
   }
-  /// Where the value of a node stands; of a constant only now.
+  /// Returns the step of a node; the step of a constant is written when it is first needed.
   Index registered(Index i) {
     Index& place = made_.place[at(i)];
     if (place == none) place = emit({.code = Code::constant, .value = tape_[i].value});
@@ -128,7 +129,7 @@ class Translator {
     return none;
   }
 
-  /// What adds up terms, after all that these read.
+  /// Returns the step that adds up terms; it is written after the steps that these read.
   Index added_up(Index terms) {
     const auto [place, is_new] = added_up_.try_emplace(terms, none);
     if (!is_new) return place->second;
@@ -136,7 +137,8 @@ class Translator {
     return added_up_[terms] = emit({.code = Code::add_up, .value = static_cast<double>(terms)});
   }
 
-  /// Small whole and half exponents are products and a root: exact where pow is, and ten times faster.
+  /// Small whole and half exponents become products and a root, which are ten times faster than pow, and exact where it
+  /// is.
   Index power(Index a, double exponent) {
     const double halves = std::abs(2 * exponent);
     if (!(halves <= 32 && halves == std::floor(halves))) return emit({.code = Code::power, .a = a, .value = exponent});

@@ -1,4 +1,4 @@
-// Whether what takes long is to go on: asked deep in a computation, on its thread.
+// AskedByThread lets a long computation ask, deep inside and on its own thread, whether it should go on.
 #pragma once
 
 #include <functional>
@@ -6,18 +6,18 @@
 
 namespace least {
 
-/// While it lives, computations of its thread ask it now and then whether they are to go on; of those that live, the
-/// last one is asked. Who is told no ends without a result: whoever waits for that has the reason.
+/// While an AskedByThread lives, computations on its thread ask it now and then whether to go on; of several, the one
+/// made last is asked. A computation that is told no ends without a result; its caller knows the reason.
 class AskedByThread {
  public:
-  /// `goes_on` throws nothing, and once it has said no it says nothing else.
+  /// `goes_on` must not throw, and once it has returned false it must not return true again.
   explicit AskedByThread(std::function<bool()> goes_on)
       : goes_on_(std::move(goes_on)), before_(std::exchange(current(), this)) {}
   ~AskedByThread() { current() = before_; }
   AskedByThread(const AskedByThread&) = delete;
   AskedByThread& operator=(const AskedByThread&) = delete;
 
-  /// True where there is nobody to be asked.
+  /// Asks whether to go on; true where no AskedByThread lives on this thread.
   static bool goes_on() { return !current() || current()->goes_on_(); }
 
  private:

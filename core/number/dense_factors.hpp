@@ -1,4 +1,4 @@
-// LU decompositions of matrices whose size is known when they run, in place (core/number/linear.cpp).
+// DenseFactors is the LU decomposition, in place, of a matrix whose size is known at run time (core/number/linear.cpp).
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,12 @@ class DenseFactors {
   DenseFactors(const DenseFactors&) = delete;
   DenseFactors& operator=(const DenseFactors&) = delete;
 
-  /// Row by row; spoilt by `factor`.
+  /// The n × n matrix, row-major; `factor` overwrites it.
   double* entries();
-  /// By blocks of columns, between which it asks whether it is to go on (AskedByThread); false: it is not.
+  /// Replaces the matrix by its factors, block of columns by block of columns. Returns false if
+  /// AskedByThread::goes_on(), which it asks between blocks, does.
   bool factor();
-  /// x with A x = b in the place of b; not finite where the matrix has no inverse.
+  /// Replaces b by x with A x = b; not finite where the matrix is singular. Requires `factor`.
   void solve(double* b);
 
  private:

@@ -1,5 +1,5 @@
-// A number that knows one thing of itself: whether something, as the time, has touched it. Mechanics evaluated in it,
-// at compile time, say whether they depend on that, whatever the values: 0·t is touched.
+// Dependence is a number that knows only whether something, such as the time, has entered it. Mechanics evaluated with
+// it at compile time tell whether they depend on that, whatever the values: 0·t counts as dependent.
 #pragma once
 
 #include <concepts>
@@ -35,7 +35,7 @@ struct Dependence {
   constexpr Dependence& operator*=(const Dependence& b) { return *this = *this | b; }
   constexpr Dependence& operator/=(const Dependence& b) { return *this = *this | b; }
 
-  // A comparison is no bool, as with lanes: both branches are looked at.
+  // A comparison is no bool, as with lanes: both branches are evaluated.
   friend constexpr Dependence operator<(const Dependence& a, const Dependence& b) { return a | b; }
   friend constexpr Dependence operator<=(const Dependence& a, const Dependence& b) { return a | b; }
   friend constexpr Dependence operator>(const Dependence& a, const Dependence& b) { return a | b; }

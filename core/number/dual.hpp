@@ -65,7 +65,7 @@ struct Dual {
     for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = (a.slope[k] - r.value * b.slope[k]) / b.value;
     return r;
   }
-  // With a plain number, or one of the number inside, no derivative is spent on the constant.
+  // Operations with a plain number or a T treat it as a constant and spend nothing on its derivatives.
   template <class U>
   static constexpr bool plain = std::is_arithmetic_v<U> || std::is_same_v<U, T>;
   template <class U>
@@ -192,7 +192,7 @@ Dual<T, K> phi1(const Dual<T, K>& x) {
   const T w = phi1_slope(x.value);
   return x.chain(phi1(x.value), [&](const T& d) { return w * d; });
 }
-/// Both vary: for an exponent that is a parameter under study. The base is positive.
+/// x^y where both vary, for an exponent that is a parameter under study. Requires x > 0.
 template <class T, int K>
 Dual<T, K> pow(const Dual<T, K>& x, const Dual<T, K>& y) {
   using least::exp;
@@ -203,7 +203,7 @@ Dual<T, K> pow(const Dual<T, K>& x, const Dual<T, K>& y) {
   for (std::size_t k = 0; k < r.slope.size(); ++k) r.slope[k] = p * (y.value * x.slope[k] / x.value + l * y.slope[k]);
   return r;
 }
-/// The exponent is a constant, and may be of the number inside.
+/// x^y with a constant exponent of the inner number type.
 template <class T, int K>
 requires(!std::is_arithmetic_v<T>) constexpr Dual<T, K> pow(const Dual<T, K>& x, const T& y) {
   using least::pow;
@@ -244,7 +244,7 @@ requires(!std::is_same_v<M, bool>) constexpr Dual<T, K> select(const M& mask, co
 template <class T, int K>
 struct Precision<Dual<T, K>> : Precision<T> {};
 
-/// The number under all derivatives: what constants are made of.
+/// Underlying<T>::type is the number type below all levels of dual numbers.
 template <class T>
 struct Underlying {
   using type = T;
@@ -252,7 +252,7 @@ struct Underlying {
 template <class T, int K>
 struct Underlying<Dual<T, K>> : Underlying<T> {};
 
-/// The number under all derivatives, as a double.
+/// Returns the value below all levels of dual numbers, as a double.
 template <class T>
 double plain_number(const T& x) {
   if constexpr (requires { x.value; }) {
@@ -261,7 +261,7 @@ double plain_number(const T& x) {
     return static_cast<double>(x);
   }
 }
-/// The size of a number with those of its derivatives.
+/// Returns the sum of the absolute values of a number and of all its derivatives.
 template <class T>
 double size_with_slopes(const T& x) {
   if constexpr (requires { x.value; }) {

@@ -1,7 +1,7 @@
-// Interval arithmetic: an enclosure holds every value that an expression takes while its variables run through theirs,
-// and says whether the expression is a number there. Bounds are moved outwards by more than rounding can be off, so an
-// enclosure of a single point has the width of its round-off. With rates it holds the derivatives, too: what the graph
-// of an expression says of how often it can turn.
+// Interval arithmetic. An Enclosure contains every value that an expression takes while its variables run through their
+// enclosures, and says whether the expression is defined there. Bounds are moved outwards by more than rounding can be
+// off, so the enclosure of a single point is as wide as its round-off. A RateEnclosure contains the derivative, too,
+// from which follows how often the graph of an expression can turn.
 // Source: Moore, Kearfott & Cloud, Introduction to Interval Analysis, 2009, chapters 2, 5 and 6.
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace least::interval {
 
 struct Enclosure {
-  /// Whether what is enclosed is a number wherever the variables are.
+  /// Whether the expression is a number for all values of its variables, for some, or for none.
   enum class Defined : std::uint8_t { everywhere, partly, nowhere };
 
   double low = 0, high = 0;
@@ -24,10 +24,11 @@ struct Enclosure {
   /// Exactly these bounds.
   constexpr Enclosure(double from, double to, Defined where = Defined::everywhere)
       : low(from), high(to), defined(where) {}
-  /// These bounds, moved outwards by what rounding may have cost them.
+  /// These bounds, moved outwards by more than their rounding errors.
   static Enclosure rounded(double low, double high, Defined where) {
     constexpr double unit = 0x1p-51, most = std::numeric_limits<double>::max();
-    // An overflow is no bound from its inner side, and what is no number bounds nothing.
+    // A lower bound may have overflowed to +∞ and an upper one to −∞: the largest number is a safe bound. NaN bounds
+    // nothing.
     low = low <= most ? low - unit * std::abs(low) : std::isnan(low) ? -infinite : most;
     high = high >= -most ? high + unit * std::abs(high) : std::isnan(high) ? infinite : -most;
     return {low, high, where};
@@ -46,7 +47,7 @@ struct Enclosure {
 using Defined = Enclosure::Defined;
 
 constexpr Defined both(Defined a, Defined b) { return a < b ? b : a; }
-/// What one of two enclosures holds.
+/// Returns an enclosure of the values of both.
 inline Enclosure hull(const Enclosure& a, const Enclosure& b) {
   if (a.defined == Defined::nowhere) return {b.low, b.high, both(b.defined, Defined::partly)};
   if (b.defined == Defined::nowhere) return {a.low, a.high, Defined::partly};
@@ -68,7 +69,7 @@ inline Enclosure operator*(const Enclosure& a, const Enclosure& b) {
   if (&a == &b) return square(a);  // the two factors are the same number: their signs agree
   double ends[] = {a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high};
   if (std::isnan(ends[0] + ends[1] + ends[2] + ends[3])) {
-    // An infinite bound is that of numbers, and zero times any of them is zero.
+    // An infinite bound stands for arbitrarily large numbers, and zero times any of these is zero.
     const auto times = [](double x, double y) { return x == 0 || y == 0 ? 0 : x * y; };
     ends[0] = times(a.low, b.low), ends[1] = times(a.low, b.high);
     ends[2] = times(a.high, b.low), ends[3] = times(a.high, b.high);
@@ -97,13 +98,13 @@ inline Enclosure inverse(const Enclosure& a) {
 }
 inline Enclosure operator/(const Enclosure& a, const Enclosure& b) { return a * inverse(b); }
 
-/// The part of it between two bounds, which are those of a function's domain.
+/// Returns the part of an enclosure in the domain [low, high] of a function.
 inline Enclosure within(const Enclosure& a, double low, double high) {
   if (a.low >= low && a.high <= high) return a;
   if (a.high < low || a.low > high) return Enclosure::undefined();
   return {std::max(a.low, low), std::min(a.high, high), both(a.defined, Defined::partly)};
 }
-/// Of a function that rises all along the argument.
+/// Encloses an increasing function f of a.
 template <class F>
 Enclosure rising(const Enclosure& a, F&& f) {
   return Enclosure::rounded(f(a.low), f(a.high), a.defined);
@@ -140,14 +141,14 @@ inline Enclosure cosh(const Enclosure& a) {
   return Enclosure::rounded(a.contains(0) ? 1 : std::min(low, high), std::max(low, high), a.defined);
 }
 
-/// Whether one of the points first + n·period, n whole, lies in it, or may by rounding.
+/// Whether the enclosure contains a point first + n·period, n whole, or may contain one by rounding.
 inline bool contains_one(const Enclosure& a, double first, double period) {
   const double from = (a.low - first) / period, to = (a.high - first) / period;
   const double near = 0x1p-50 * std::max(std::abs(from), std::abs(to));
   return !(std::floor(to + near) < std::ceil(from - near));
 }
 inline constexpr double half_turn = 3.14159265358979323846;
-/// A wave of amplitude 1 that is greatest at `top` and takes these values at the ends.
+/// Encloses a cosine wave of a that has its maximum, 1, at `top` and these values at the ends of a.
 inline Enclosure wave(const Enclosure& a, double top, double at_low, double at_high) {
   if (!(a.width() < 2 * half_turn)) return {-1, 1, a.defined};
   const double low = contains_one(a, top - half_turn, 2 * half_turn) ? -1 : std::min(at_low, at_high);
@@ -171,12 +172,12 @@ inline Enclosure pow(const Enclosure& a, double exponent) {
   return Enclosure::rounded(base.contains(0) ? 0 : std::min(low, high), std::max(low, high), base.defined);
 }
 
-/// Whether a comparison may hold, and whether it may not.
+/// Whether a comparison may hold for some values, and whether it may fail for some.
 struct EnclosureMask {
   bool may_hold, may_fail;
 };
 inline EnclosureMask operator<(const Enclosure& a, const Enclosure& b) {
-  // What is no number compares as false.
+  // A comparison with NaN is false.
   const bool known = a.defined != Defined::nowhere;
   return {known && a.low < b.high, a.high >= b.low || !a.everywhere()};
 }
@@ -184,14 +185,14 @@ inline Enclosure select(const EnclosureMask& mask, const Enclosure& yes, const E
   return mask.may_hold && mask.may_fail ? hull(yes, no) : mask.may_hold ? yes : no;
 }
 
-/// An enclosure and that of the derivative with respect to time.
+/// RateEnclosure encloses a value and its derivative with respect to time.
 struct RateEnclosure {
   Enclosure value, rate;
 
   RateEnclosure() = default;
   RateEnclosure(double constant) : value(constant) {}  // NOLINT: a number like any other
   RateEnclosure(const Enclosure& of_value, const Enclosure& of_rate) : value(of_value), rate(of_rate) {}
-  /// Nowhere more than one zero, by the sign of its derivative.
+  /// Whether the derivative keeps one sign, so that the value passes zero at most once.
   bool monotone() const { return value.everywhere() && (rate.low >= 0 || rate.high <= 0); }
 };
 

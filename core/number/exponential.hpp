@@ -1,6 +1,6 @@
-// φ₁(z) = (e^z − 1)/z and φ₂(z) = (e^z − 1 − z)/z² of numbers and of matrices: of ẏ = w + B y at y = 0 they give
-// y(h) = h φ₁(hB) w and its mean over the time h, h φ₂(hB) w. Source: Hochbruck & Ostermann, Acta Numerica 19, 209
-// (2010), 2.1.
+// φ₁(z) = (e^z − 1)/z and φ₂(z) = (e^z − 1 − z)/z² of numbers and of matrices: the solution of ẏ = w + B y, y(0) = 0,
+// is y(h) = h φ₁(hB) w, and its mean over the time h is h φ₂(hB) w. Source: Hochbruck & Ostermann, Acta Numerica 19,
+// 209 (2010), 2.1.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace least {
 struct Phi {
   double one = 1, two = 0.5;
 };
-/// To round-off for every finite z.
+/// Returns φ₁(z) and φ₂(z), to round-off for every finite z.
 Phi phi(double z);
 
-/// Of an n × n matrix, row by row.
+/// MatrixPhi is φ₁ and φ₂ of an n × n matrix, row-major.
 struct MatrixPhi {
   std::vector<double> one, two;
 };
-/// By scaling and doubling; not finite where z is not.
+/// Computes φ₁ and φ₂ of the n × n matrix z, row-major, by scaling and doubling; not finite where z is not.
 MatrixPhi phi(std::size_t n, std::vector<double> z);
 
 }  // namespace least

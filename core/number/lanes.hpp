@@ -1,9 +1,10 @@
-// A number of several doubles that move together, by GCC's vector extension: as many as fit two registers of the
-// instruction set that a unit is compiled for (LEAST_LANE_BYTES), or one of the narrowest. Of two, one is computed
-// while the other waits for a root or a quotient, and what a step does for all lanes alike it does half as often.
-// Elementary functions are SLEEF's of the family whose bits are the same in every instruction set and alone (`cinz`,
-// without fused operations), to 1 ulp. Sine and cosine are ours up to 3e6: SLEEF's are calls, around which registers
-// are saved and which no other pack overtakes, and beyond 15 twice as dear. Only units of lanes include this header.
+// Lanes is a number of several doubles, by GCC's vector extension: they fill two registers of the instruction set that
+// a unit is compiled for (LEAST_LANE_BYTES bytes each), or one register of the narrowest. Of two registers, one is
+// computed while the other waits for a root or a quotient, and the work that is common to all lanes is done half as
+// often. Elementary functions are those of SLEEF's family `cinz` (without fused operations), accurate to 1 ulp, whose
+// bits are the same in every instruction set and for single doubles. Sine and cosine of arguments up to 3e6 are
+// computed here: SLEEF's are calls, around which registers are saved and with which nothing overlaps, and cost twice as
+// much beyond 15. Only units of lanes include this header.
 #pragma once
 
 #ifndef LEAST_LANE_BYTES
@@ -24,7 +25,7 @@
 
 namespace least {
 
-// LEAST_PAIR(of the first register, of the second)
+// LEAST_PAIR(a, b) lists a, for the first register, and b, for the second one if there is one.
 #if LEAST_LANE_BYTES > 16
 #define LEAST_PAIR(a, b) a, b
 inline constexpr std::size_t lane_registers = 2;
@@ -34,7 +35,7 @@ inline constexpr std::size_t lane_registers = 1;
 #endif
 inline constexpr std::size_t lane_count = lane_registers * LEAST_LANE_BYTES / sizeof(double);
 
-/// Of which lanes something is true.
+/// LaneMask tells for which lanes a condition holds.
 #if defined(__AVX512F__)
 struct LaneMask {
   std::uint16_t bits = 0;  ///< as comparisons give them
@@ -129,7 +130,7 @@ LEAST_INLINE bool any(const LaneMask& m) {
   const LaneMask::Register both = m.low;
 #endif
   std::int64_t all = 0;
-  bool known = true;  // to the compiler
+  bool known = true;  // at compile time
   for (std::size_t i = 0; i < LEAST_LANE_BYTES / sizeof(double); ++i) {
     known = known && __builtin_constant_p(both[i]);
     all |= both[i];
@@ -164,7 +165,7 @@ LEAST_INLINE Lanes each(const Lanes& a, F&& f) {
 }  // namespace detail
 LEAST_INLINE Lanes abs(const Lanes& a) { return Lanes(LEAST_PAIR(detail::abs(a.low), detail::abs(a.high))); }
 
-/// A function of one register, of all.
+/// Applies a function of one register to all registers of `a`.
 #define LEAST_OF_EACH(function) Lanes(LEAST_PAIR(function(a.low), function(a.high)))
 
 #if defined(__AVX512F__)
@@ -207,7 +208,7 @@ LEAST_INLINE Lanes pow(const Lanes& a, double y) { return pow(a, Lanes(y)); }
 
 namespace detail {
 using SinCos = std::pair<Lanes, Lanes>;
-/// Of numbers of any size.
+/// SLEEF's sine and cosine, for arguments of any size.
 [[gnu::noinline, gnu::cold]] inline SinCos called_sincos(Lanes a) {
   SinCos both;
   for (std::size_t i = 0; i < lane_count; ++i) {
@@ -217,7 +218,7 @@ using SinCos = std::pair<Lanes, Lanes>;
   }
   return both;
 }
-/// A sine that rounding takes beyond 1 would leave 1 - s^2 without a root.
+/// Clamps a sine to [-1, 1]: rounding could take it beyond, and the root of 1 - s^2 would be NaN.
 LEAST_INLINE Lanes::Register within_one(const Lanes::Register& a) {
   const Lanes::Register one = Lanes(1).low;
 #if defined(__AVX512F__)
@@ -229,8 +230,8 @@ LEAST_INLINE Lanes::Register within_one(const Lanes::Register& a) {
   return below < -one ? -one : below;
 #endif
 }
-/// What is left of a number, to 2e-20, when the nearest half turns are taken off. The first of the two parts of π has
-/// 31 bits: its products with up to a million half turns are exact.
+/// ReducedAngle is a number minus the nearest multiple of π, with an error of at most 2e-20. π is subtracted in two
+/// parts, the first of which has 31 bits, so that its products with up to a million half turns are exact.
 struct ReducedAngle {
   static constexpr double most = 3e6, whole = 0x1.8p52;
   Lanes turns, r, square;
@@ -240,7 +241,7 @@ struct ReducedAngle {
     r = (a - n * first) - n * rest;
     square = r * r;
   }
-  /// To 4e-18 of itself by the algorithm of Remez, rounded to 2.5 units.
+  /// sin r by a minimax polynomial (Remez) of relative error 4e-18; rounding adds up to 2.5 ulp.
   LEAST_INLINE Lanes sine() const {
     const Lanes &x = square, x2 = x * x, x4 = x2 * x2;
     const Lanes value = r + r * (x * (((x * 0x1.8828f8cc23f69p-49 - 0x1.ae43176a2af7dp-41) * x2 +
@@ -250,7 +251,7 @@ struct ReducedAngle {
                                        (x * 0x1.11111111110c1p-7 - 0x1.5555555555555p-3))));
     return Lanes(LEAST_PAIR(within_one(value.low), within_one(value.high)));
   }
-  /// To 6e-18 by the same, rounded to 3e-16 whatever its size.
+  /// cos r by a minimax polynomial of error 6e-18; rounding adds an absolute error of up to 3e-16.
   LEAST_INLINE Lanes cosine() const {
     const Lanes &x = square, x2 = x * x, x4 = x2 * x2;
     return (1 - x * 0.5) +
@@ -258,7 +259,7 @@ struct ReducedAngle {
                  ((x * -0x1.27e4f9f2ef186p-22 + 0x1.a01a019ba61dep-16) * x2 +
                   (x * -0x1.6c16c16c101f7p-10 + 0x1.55555555554ddp-5)));
   }
-  /// With the sign that the half turns give it.
+  /// Returns x, with opposite sign for an odd number of half turns.
   LEAST_INLINE Lanes turned(const Lanes& x) const {
     const auto flip = [](const Lanes::Register& value, const Lanes::Register& by) {
       return reinterpret_cast<Lanes::Register>(reinterpret_cast<Bits>(value) ^ (reinterpret_cast<Bits>(by) << 63));
@@ -291,7 +292,7 @@ LEAST_INLINE std::pair<Lanes, Lanes> sincos(const Lanes& a) {
   }
   return {sine, cosine};
 }
-/// A double is a lane.
+/// A double is computed as a lane, to the same bits.
 inline double sin(double x) { return sin(Lanes(x))[0]; }
 inline double cos(double x) { return cos(Lanes(x))[0]; }
 inline std::pair<double, double> sincos(double x) {

@@ -17,7 +17,7 @@ using Square = Eigen::Matrix<double, N, N, Eigen::RowMajor, N == Eigen::Dynamic 
                              N == Eigen::Dynamic ? largest_system : N>;
 template <int N>
 using Column = Eigen::Matrix<double, N, 1, 0, N == Eigen::Dynamic ? largest_system : N, 1>;
-/// The decomposition takes the place of the matrix: what is as large as a system can be is only its list of pivots.
+/// Factors in the place of the matrix, so that only the list of pivots is reserved for the largest system.
 template <int N>
 using Factors = Eigen::PartialPivLU<Eigen::Ref<Square<N>>>;
 
@@ -29,7 +29,7 @@ void solve(std::size_t n, double* a, const double* b, double* x) {
   Eigen::Map<Column<N>>(x, size) = lu.solve(Eigen::Map<const Column<N>>(b, size));
 }
 
-/// Of systems larger than those that stand in place.
+/// Matrices of systems with more than `largest_system` equations.
 using Large = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 bool is_large(std::size_t n) { return n > std::size_t(largest_system); }
 Eigen::PartialPivLU<Large> large_factors(std::size_t n, const double* a) {
@@ -62,7 +62,7 @@ void solve_refined(std::size_t n, const T* a, const T* b, T* x) {
   for (int round = 0; round < 50; ++round) {
     correction = lu.solve(residual);
     const double size_now = correction.lpNorm<Eigen::Infinity>();
-    if (round > 0 && !(size_now < before / 2)) {  // rounding is all that is left, or A is beyond this
+    if (round > 0 && !(size_now < before / 2)) {  // only rounding is left, or A is too ill-conditioned
       double size_of_x = 0;
       for (std::size_t i = 0; i < n; ++i) size_of_x = std::max(size_of_x, std::abs(static_cast<double>(x[i])));
       const double grain = 1e9 * static_cast<double>(std::numeric_limits<T>::epsilon());
@@ -133,10 +133,10 @@ DenseFactors::DenseFactors(std::size_t n) : of_(std::make_unique<Eigens>()) {
 }
 DenseFactors::~DenseFactors() = default;
 double* DenseFactors::entries() { return of_->matrix.data(); }
-/// Gaussian elimination with pivots from each column, so many columns at a time: what follows them to the right changes
-/// by products of matrices. (Golub & Van Loan, Matrix Computations, 2013, 3.4.6.) What is nothing beside its pivot
-/// becomes 0: where neighbours alone are coupled, factors fall off with the distance to numbers that processors are a
-/// hundred times slower with.
+/// Blocked Gaussian elimination with partial pivoting: the columns to the right of a block of `at_once` columns are
+/// updated by products of matrices. (Golub & Van Loan, Matrix Computations, 2013, 3.4.6.) Entries that are negligible
+/// beside their pivot become 0: where only neighbours are coupled, factors decay with the distance until they are
+/// subnormal, and processors are a hundred times slower with these.
 bool DenseFactors::factor() {
   constexpr Eigen::Index at_once = 48;
   constexpr double nothing = 1e-150;

@@ -1,5 +1,6 @@
-// Small dense linear systems. The solve is a primitive of the number, like sqrt: scalars hand it to Eigen, which
-// linear.cpp alone sees, dual numbers differentiate it, lanes take it lane by lane. Of any size up to the largest.
+// Small dense linear systems of up to `largest_system` equations. Solving is a primitive of the number type, like sqrt:
+// scalars use Eigen, which only linear.cpp includes, dual numbers differentiate the solution, and lanes solve lane by
+// lane.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +16,14 @@ inline constexpr int largest_system = 64;
 
 namespace detail {
 
-/// x with A x = b, for double, and by refinement for long double and Quad, where the condition of A is below 1e15. A,
-/// row by row, is spoilt; x is none of the others.
+/// Writes x with A x = b; A is n × n, row-major, and may be overwritten, and x must not overlap A or b. For double by
+/// LU decomposition; for long double and Quad by LU in double with refinement, which needs a condition number below
+/// 1e15 and otherwise gives NaN.
 template <class T>
 void solve_by_lu(std::size_t n, T* a, const T* b, T* x);
-/// A⁻¹ in the place of A; not finite where there is none.
+/// Replaces A, n × n, row-major, by its inverse; not finite where A is singular.
 void invert(std::size_t n, double* a);
-/// Of A, row by row, which is spoilt.
+/// Returns det A; A is n × n, row-major, and may be overwritten.
 double determinant_by_lu(std::size_t n, double* a);
 
 template <std::size_t N>
@@ -32,8 +34,9 @@ constexpr void fits_the_largest_system() {
 
 }  // namespace detail
 
-/// solve(A, b, n): x with A x = b of the first n equations and unknowns, rows of A first; the others are 0. A singular
-/// A gives numbers that are not finite, never an error. A number that is no scalar specialises it.
+/// LinearSolver<T>::solve(A, b, count) returns x with A x = b for the first `count` equations and unknowns; A[i] is row
+/// i, and the other entries of x are 0. A singular A gives numbers that are not finite, never an error. Number types
+/// that are no scalars specialise it.
 template <class T>
 struct LinearSolver {
   template <std::size_t N>

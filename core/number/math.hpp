@@ -22,7 +22,7 @@ using Vec = std::array<T, static_cast<std::size_t>(N)>;
 template <int N, class T = double>
 using Mat = Vec<N, Vec<N, T>>;
 
-#ifdef LEAST_LANE_BYTES  // a unit of lanes: those whose bits are the same in lanes and alone, core/number/lanes.hpp
+#ifdef LEAST_LANE_BYTES  // units with lanes (core/number/lanes.hpp): a double gets the same bits as a lane
 double sin(double x);
 double cos(double x);
 inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
@@ -77,8 +77,8 @@ std::pair<T, T> sincos(const T& x) {
   return {sin(x), cos(x)};
 }
 
-/// A number times one that a formula says. What leaves out products with 0 keeps this one: a formula that has 0 x says
-/// so because x may be no number.
+/// x times a constant factor of a formula. Number types that drop products with 0 elsewhere must not drop this one: a
+/// formula contains 0·x on purpose, to be NaN where x is.
 template <class T>
 T scaled(const T& x, double factor) {
   return x * factor;
@@ -91,7 +91,7 @@ constexpr T select(bool mask, const T& yes, const T& no) {
 }
 constexpr bool any(bool mask) { return mask; }
 constexpr bool all(bool mask) { return mask; }
-/// The choice between yes() and no() where they are dear: a bool computes one of them, a mask of lanes both.
+/// Chooses between yes() and no() where these are expensive: a bool calls one of them, a mask of lanes both.
 template <class M, class F, class G>
 constexpr auto either(const M& mask, F&& yes, G&& no) {
   if constexpr (std::is_same_v<M, bool>) {
@@ -101,7 +101,7 @@ constexpr auto either(const M& mask, F&& yes, G&& no) {
   }
 }
 
-/// ln(1 − z): scalars the compiler knows have it to the last digits for small z, too.
+/// ln(1 − z). Built-in scalars keep all digits for small z, too.
 inline double log1m(double z) { return log1p(-z); }
 inline long double log1m(long double z) { return std::log1p(-z); }
 template <class T>
@@ -110,7 +110,7 @@ T log1m(const T& z) {
   return log(T(1) - z);
 }
 
-/// φ₁(z) = (eᶻ − 1)/z, 1 at 0. For any number; scalars the compiler knows have it to the last digit or two.
+/// φ₁(z) = (eᶻ − 1)/z, 1 at 0, for any number type. Built-in scalars have it to the last digit or two.
 /// Source: Hochbruck & Ostermann, Acta Numerica 19, 209 (2010), 2.1.
 inline double phi1(double z) { return z == 0 ? 1 : expm1(z) / z; }
 inline long double phi1(long double z) { return z == 0 ? 1 : std::expm1(z) / z; }

@@ -7,10 +7,10 @@
 namespace least {
 
 struct Modes {
-  std::vector<double> values;   ///< increasing
-  std::vector<double> vectors;  ///< row by row; the k-th column is the one of the k-th value; orthogonal, of length 1
+  std::vector<double> values;   ///< eigenvalues, increasing
+  std::vector<double> vectors;  ///< row-major; column k is the eigenvector of values[k]; orthonormal
 };
-/// Of an n × n matrix, row by row, of which the lower half is read.
+/// Returns the modes of a symmetric n × n matrix, row-major, of which only the lower triangle is read.
 Modes modes_of(std::size_t n, const std::vector<double>& symmetric);
 
 }  // namespace least

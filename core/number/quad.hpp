@@ -1,6 +1,7 @@
-// Quad: a number with 113 bits, for reference solutions. long double where the platform gives it that many, else the
-// compiler's __float128 as a class, so that its functions are found beside it. Boost.Multiprecision has the same class;
-// reading it takes two seconds in every unit that knows a problem, which is longer than all the rest that they read.
+// Quad is a number with 113 bits, for reference solutions: long double where the platform gives it that many, else the
+// compiler's __float128 as a class, so that its functions are found by argument-dependent lookup. Boost.Multiprecision
+// has the same class, but its headers take two seconds to compile in every unit that knows a problem, longer than all
+// other headers together.
 #pragma once
 
 #include <cfloat>

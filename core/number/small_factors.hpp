@@ -1,5 +1,5 @@
-// LU decompositions of matrices so small that a call and a loop cost as much as their arithmetic: in place, row by row,
-// with pivots from each column, whose inverses stand on the diagonal. Source: Golub & Van Loan, Matrix Computations,
+// LU decompositions of matrices so small that calls and loops cost as much as their arithmetic: in place, row-major,
+// with partial pivoting. The diagonal holds the inverses of the pivots. Source: Golub & Van Loan, Matrix Computations,
 // 2013, 3.4.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace least {
 
-/// f(n), where the smallest sizes are constants: loops over these are unrolled.
+/// Calls f(n), with n as a compile-time constant for the smallest sizes, so that loops over n are unrolled.
 template <class F>
 decltype(auto) with_size(std::size_t n, F&& f) {
   switch (n) {
@@ -28,7 +28,7 @@ decltype(auto) with_size(std::size_t n, F&& f) {
   }
 }
 
-/// Of A with n rows; `pivots`: which row came to each place.
+/// Replaces A, n × n, by its factors; pivots[k] is the row that was exchanged with row k.
 template <class Count>
 void factor_small(Count n, double* a, std::uint32_t* pivots) {
   for (std::size_t k = 0; k < n; ++k) {
@@ -46,7 +46,7 @@ void factor_small(Count n, double* a, std::uint32_t* pivots) {
   }
 }
 
-/// x with A x = b in the place of b; not finite where A has no inverse.
+/// Replaces b by x with A x = b, from the factors and pivots of A; not finite where A is singular.
 template <class Count>
 void solve_small(Count n, const double* a, const std::uint32_t* pivots, double* b) {
   for (std::size_t k = 0; k + 1 < n; ++k) std::swap(b[k], b[pivots[k]]);

@@ -9,7 +9,7 @@
 namespace least {
 namespace {
 
-/// Of each row those that it shares an entry with, on either side of the diagonal.
+/// Returns, for each row i, the rows j ≠ i for which entry (i, j) or (j, i) is in the pattern.
 SparsityPattern neighbours_of(const SparsityPattern& pattern) {
   SparsityPattern all(pattern.size());
   for (std::uint32_t i = 0; i < pattern.size(); ++i)
@@ -25,7 +25,7 @@ SparsityPattern neighbours_of(const SparsityPattern& pattern) {
   return all;
 }
 
-/// Every row's place: breadth first from one end of the graph, neighbours of few first.
+/// Returns the new number of every row: breadth first from one end of the graph, neighbours of low degree first.
 std::vector<std::uint32_t> renumbering(const SparsityPattern& neighbours) {
   const std::size_t n = neighbours.size();
   constexpr auto unknown_place = static_cast<std::uint32_t>(-1);
@@ -91,7 +91,7 @@ SparseSystem::SparseSystem(const SparsityPattern& pattern) : place_(pattern.size
   }
   constexpr std::size_t smallest = 4, most_small = 16;
   small_ = n <= smallest || (n <= most_small && 2 * band_ >= n);
-  // Elimination in a narrow band is no dearer than Eigen's blocks of the whole matrix.
+  // Elimination in a narrow band costs no more than blocked elimination of the whole matrix.
   if (small_) {
     entries_.resize(n * n);
     pivots_.resize(n);

@@ -1,8 +1,9 @@
-// Linear systems A x = b whose size is known when they run, and whose entries that are not zero stand at places known
-// beforehand. Rows and columns are renumbered so that these stand near the diagonal (Cuthill & McKee, reversed): of a
-// chain, also of one that is closed to a ring, the decomposition costs what the chain is long. Where the band is as
-// wide as the matrix Eigen decomposes it, unless it is small. Sources: Cuthill & McKee, Proc. 24th ACM National
-// Conference, 157 (1969); Golub & Van Loan, Matrix Computations, 2013, 4.3.5 (band elimination with pivots).
+// SparseSystem solves linear systems A x = b whose size and places of nonzero entries are known at run time, before
+// their values. Rows and columns are renumbered so that these places are near the diagonal (Cuthill & McKee, from the
+// far end of the graph): for a chain, even one that is closed to a ring, the cost is proportional to its length. Where
+// the band is wide, the matrix is decomposed as a dense one (DenseFactors), unless it is small. Sources: Cuthill &
+// McKee, Proc. 24th ACM National Conference, 157 (1969); Golub & Van Loan, Matrix Computations, 2013, 4.3.5 (band
+// elimination with pivots).
 #pragma once
 
 #include <cstdint>
@@ -13,28 +14,28 @@
 
 namespace least {
 
-/// Of each row the columns that may have entries.
+/// SparsityPattern lists, for each row, the columns that may have nonzero entries.
 using SparsityPattern = std::vector<std::vector<std::uint32_t>>;
 
-/// Not copied: a system holds factors of one matrix.
+/// A SparseSystem holds one matrix or its factors, and so is not copied.
 class SparseSystem {
  public:
   explicit SparseSystem(const SparsityPattern& pattern);
 
   std::size_t size() const { return place_.size(); }
   bool is_banded() const { return dense_ == nullptr; }
-  /// Entries on either side of the diagonal, after the renumbering.
+  /// The largest distance of an entry from the diagonal after the renumbering.
   std::size_t bandwidth() const { return band_; }
 
-  /// Of its entries, in memory.
+  /// Memory of the entries in bytes.
   std::size_t bytes() const { return sizeof(double) * (dense_ ? size() * size() : entries_.size()); }
 
-  /// Small and full: its entries stand row by row.
+  /// Whether the matrix is small and is treated as full, row-major.
   bool is_small() const { return small_; }
 
   /// Makes every entry 0.
   void clear();
-  /// Adds to the entry of row i and column j, which is one of the pattern.
+  /// Adds `value` to the entry of row i and column j, which has to be in the pattern.
   void add(std::size_t i, std::size_t j, double value) {
     if (small_) {
       entries_[i * size() + j] += value;
@@ -44,23 +45,24 @@ class SparseSystem {
       row(place_[i])[place_[j]] += value;
     }
   }
-  /// Puts the factors in the place of the entries. Allocates nothing where the matrix is banded. False: it is not to go
-  /// on (AskedByThread), which it asks where the matrix is large.
+  /// Replaces the entries by the factors. Allocates nothing where the matrix is banded. Returns false if
+  /// AskedByThread::goes_on(), which only large dense matrices ask, does.
   bool factor();
-  /// x in the place of b, by the factors; not finite where the matrix has no inverse.
+  /// Replaces b by x with A x = b; not finite where the matrix is singular. Requires `factor`.
   void solve(double* b);
 
  private:
   std::size_t width() const { return 3 * band_ + 1; }
   double* row(std::size_t i) { return entries_.data() + i * width() + band_ - i; }
 
-  std::vector<std::uint32_t> place_;  ///< of each row and column among the renumbered ones
+  std::vector<std::uint32_t> place_;  ///< by row or column: its number after the renumbering
   std::size_t band_ = 0;
   bool small_ = false;
-  /// Of row i the columns i − band … i + 2 band, as pivots widen the upper half; of what is small all columns.
+  /// By row i, the columns i − band … i + 2 band, because pivoting widens the upper half; of a small matrix all
+  /// columns.
   std::vector<double> entries_;
   std::vector<std::uint32_t> pivots_;
-  std::vector<double> renumbered_;  ///< a right side
+  std::vector<double> renumbered_;  ///< a right-hand side
   std::unique_ptr<DenseFactors> dense_;
 };
 

@@ -32,8 +32,8 @@ constexpr T dot(const std::array<T, N>& a, const std::array<T, N>& b) {
   return sum;
 }
 
-/// Solves g x = b for a symmetric positive definite g by elimination: no pivots, so no branch for any number. Only of
-/// the first `count` rows and columns; the rest of x is that of b.
+/// Solves g x = b for a symmetric positive definite g by elimination: no pivots, so no branch for any number. It solves
+/// the first `count` equations and unknowns only; the other entries of x are those of b.
 template <std::size_t N, class T>
 constexpr std::array<T, N> solve_definite(std::array<std::array<T, N>, N> g, std::array<T, N> b,
                                           std::size_t count = N) {

@@ -10,8 +10,8 @@
 namespace least {
 namespace {
 
-/// From x on, with K − V as it is, s reaches infinity at this time: from ṡ = c − γs²/2, c = K − V + R. Unknown where it
-/// does not.
+/// Returns the time at which s would become infinite if K − V stayed as it is at x: by ṡ = c − γs²/2 with c = K − V +
+/// R. Returns `unknown` if s would not.
 double blow_up_time(const ProblemTable& problem, const RunState& x) {
   const EnergyTerms energy = problem.energy_terms(x);
   const double s = x[2 * problem.traits.dof], gamma = problem.action_curvature();

@@ -12,14 +12,14 @@
 namespace least {
 namespace {
 
-/// A start from which steps can be taken, where the equations of motion are singular at the first.
+/// Returns a state from which steps can be taken: the end of the problem's series where the equations of motion are
+/// singular at the start, else the start.
 RunState after_series(const ProblemTable& problem, const RunState& start, double end) {
   const double until = problem.traits.series_until;
   return problem.starts_series(start) && end > until ? problem.series_state(until) : start;
 }
 
-/// How many steps of differences pass between two looks at the clock: of small scenes some, of those whose equations
-/// are long one.
+/// Returns the number of steps between two looks at the clock: one for scenes with long equations.
 std::size_t steps_between_looks(const RunBackend& backend) {
   constexpr tape::Index small = 512;  // operations, of which a step takes microseconds
   tape::Tape tape;
@@ -31,13 +31,13 @@ class GrowthOfDifferences {
   static constexpr std::size_t parts = Conditioning::parts;
 
  public:
-  /// `kinds`: of the variables, kinds_of the card.
+  /// `kinds`: the kinds of the variables, kinds_of the card.
   GrowthOfDifferences(const RunBackend& backend, RunState start, double end, const KeepGoing& keep_going,
                       std::span<const std::size_t> kinds)
       : backend_(backend), problem_(backend.motion()), keep_going_(keep_going), kinds_(kinds), from_(start.t) {
     start = after_series(problem_, start, end);
     if (backend.found() > 0) {
-      // Where differences grow far, the motion that is followed is the true one only if it is followed closely.
+      // Where differences grow much, the computed motion stays near the true one only with a close tolerance.
       follow(start, end, 1e-9);
       if (!found_.complete || found_.most_growth * 1e-9 < 1e-2) return;
       const Conditioning known = found_;
@@ -46,7 +46,7 @@ class GrowthOfDifferences {
     } else {
       follow_series(start, end);
       if (!found_.ends || found_.leaves) return;
-      // A kink of the force ends a series and no motion: steps that need no series get past it.
+      // A kink of the force ends a series, but not the motion: steps without series get past it.
       constexpr double beyond = 0.01;
       const Conditioning known = found_;
       follow(start, end, 1e-9);
@@ -57,20 +57,20 @@ class GrowthOfDifferences {
   const Conditioning& found() const { return found_; }
 
  private:
-  /// In steps, so that the answer does not depend on the machine.
+  /// Limits of the number of steps, not of time, so that the answer does not depend on the machine.
   static constexpr std::size_t patience = 200'000, patience_of_series = 50'000;
-  /// How many variables a motion and its derivatives have at most whose equations are short enough for a series. Where
-  /// there are more nothing is known, and no room is made for it.
+  /// The most variables that a motion and its derivatives may have together if their equations are to be short enough
+  /// for a series. With more, nothing is found out, and no memory is reserved.
   static constexpr std::size_t most_numbers = tape::most_of_equations;
 
-  /// In all directions, one after the other. Where the motion ends early, again up to shortly before that.
+  /// Follows all directions, one after the other. Where the motion ends early, follows them again up to shortly before.
   void follow(const RunState& start, double end, double tolerance) {
     begin(end, false, false);
     for (std::size_t direction = 0; direction < size_ && found_.reached > start.t;)
       direction = along(start, direction, tolerance) ? direction + 1 : 0;
     conclude();
   }
-  /// By series, in all directions at once.
+  /// Follows all directions at once, by series.
   void follow_series(const RunState& start, double end) {
     std::vector<std::size_t> directions;
     for (std::size_t i = 0; i < size_; ++i)
@@ -82,10 +82,10 @@ class GrowthOfDifferences {
     tangents_.assign(directions.size() * size_, 0);
     for (std::size_t d = 0; d < directions.size(); ++d) tangents_[d * size_ + directions[d]] = 1;
     try {
-      TangentMotion motion(std::move(tape), rates, directions.size(), 1e-14);  // of series these digits cost little
+      TangentMotion motion(std::move(tape), rates, directions.size(), 1e-14);  // digits cost a series little
       while (found_.reached > start.t && !along(start, motion, directions)) {
       }
-    } catch (const tape::TooManyOperations&) {  // of that nothing is known
+    } catch (const tape::TooManyOperations&) {  // then nothing is found out
       found_.complete = false;
     }
     conclude();
@@ -112,7 +112,7 @@ class GrowthOfDifferences {
     found_.relative_so_far.fill(1);
     found_.complete = false;
   }
-  /// What is known only when the sizes of all components are.
+  /// Computes what depends on the sizes of all components.
   void conclude() {
     std::vector<RunState> states;
     for (const auto& mark : landmarks_.list()) {
@@ -138,7 +138,7 @@ class GrowthOfDifferences {
     }
   }
 
-  /// In one direction. False: the motion ends before `reached`, which is set back.
+  /// Follows one direction. Returns false if the motion ends before `reached`, which is then set back.
   bool along(const RunState& start, std::size_t direction, double tolerance) {
     if (!backend_.has_component(direction)) return true;
     Differences motion(backend_, start, direction, found_.reached, tolerance);
@@ -160,7 +160,7 @@ class GrowthOfDifferences {
     found_.growth = std::max(found_.growth, motion.growth());
     return true;
   }
-  /// In all at once; within a step, which is long, the motion is seen several times.
+  /// Follows all directions at once. Steps of a series are long, so the motion is examined several times within each.
   bool along(const RunState& start, TangentMotion& motion, std::span<const std::size_t> directions) {
     constexpr int looks = 16;
     RunState x = start;
@@ -183,8 +183,8 @@ class GrowthOfDifferences {
       return true;
     };
     seen(start.t);
-    double most = std::numeric_limits<double>::infinity();  ///< of steps, at the edge of the domain
-    double longest = 0;                                     ///< so far: of a motion that ends steps become shorter
+    double most = std::numeric_limits<double>::infinity();  ///< bound of steps, at the edge of the domain
+    double longest = 0;  ///< step so far: before the end of a motion, steps become negligible beside it
     for (std::size_t step = 1; motion.time() < found_.reached && found_.complete; ++step) {
       const double from = motion.time(), left = found_.reached - from, h = std::min({motion.step(), left, most});
       if (!(h > 1e-13 * std::max(std::abs(from), longest))) return ends(from, false);
@@ -210,12 +210,12 @@ class GrowthOfDifferences {
     return false;
   }
 
-  /// In which eighth of the span a time lies.
+  /// Returns the eighth of the span in which a time lies.
   std::size_t part_at(double t) const {
     const double done = (t - from_) / (found_.reached - from_);
     return std::min(static_cast<std::size_t>(std::max(done * parts - 1e-9, 0.0)), parts - 1);
   }
-  /// ∂x_i/∂x_j of the direction j.
+  /// Records |∂x_i/∂x_j| of direction j at the time t; derivative(i) returns ∂x_i/∂x_j.
   template <class Derivative>
   void see_derivatives(double t, std::size_t j, Derivative&& derivative) {
     double* const largest = &derivatives_[(part_at(t) * size_ + j) * size_];
@@ -225,13 +225,13 @@ class GrowthOfDifferences {
       at_end_[j * size_ + i] = here;
     }
   }
-  /// `first`: of those that see the same motion.
+  /// Records the growth at the state x, and the state itself if this is the `first` of several passes along the motion.
   void see(const RunState& x, double growth, bool first) {
     for (std::size_t k = part_at(x.t); k < parts; ++k) found_.so_far[k] = std::max(found_.so_far[k], growth);
     found_.most_growth = std::max(found_.most_growth, growth);
     if (!first) return;
     sizes_.see(x);
-    RunState scaled = x;  // by the sizes so far
+    RunState scaled = x;  // relative to the sizes so far
     for (std::size_t i = 0; i < size_; ++i) scaled[i] = sizes_.largest(i) > 0 ? x[i] / sizes_.largest(i) : 0;
     x.t > from_ ? landmarks_.see(x) : landmarks_.start(x);
     x.t > from_ ? scaled_landmarks_.see(scaled) : scaled_landmarks_.start(scaled);
@@ -258,8 +258,8 @@ class GrowthOfDifferences {
   double from_;
   Landmarks landmarks_{48}, scaled_landmarks_{48};
   ComponentSizes sizes_{kinds_, size_};
-  std::vector<double> tangents_;     ///< at the start, one direction after the other
-  std::vector<double> derivatives_;  ///< the largest in each eighth of the span, by direction and component
+  std::vector<double> tangents_;     ///< derivatives at the start, one direction after the other
+  std::vector<double> derivatives_;  ///< largest |∂x_i/∂x_j| by eighth of the span, direction j and component i
   std::vector<double> at_end_;
   Conditioning found_;
 };

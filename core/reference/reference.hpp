@@ -26,13 +26,13 @@ template <class P>
 struct Reference {
   std::vector<StateOf<P>> states;  ///< at the times asked for, rounded to double
   double uncertainty = 0x1p-53;    ///< as a state_error in the absolute norm
-  Vec<StateOf<P>::size> doubts{};  ///< of each component, the largest difference of two runs
+  Vec<StateOf<P>::size> doubts{};  ///< by component: the largest difference between the two runs
   std::string_view how = "closed form";
   bool complete = true;        ///< false: it was told to give up, or the solution ceased to be finite
-  std::string_view missing{};  ///< as of Truth
+  std::string_view missing{};  ///< as in Truth
 };
 
-/// The closed form at these times; a state that is not finite is the last.
+/// Returns the closed form at these times; a state that is not finite is the last one.
 template <HasExact P>
 Reference<P> closed_form(const P& problem, const StateOf<P>& x0, const std::vector<double>& times) {
   Reference<P> result;
@@ -50,13 +50,13 @@ Reference<P> closed_form(const P& problem, const StateOf<P>& x0, const std::vect
 
 inline constexpr double fine_tolerance = 1e-27, coarse_tolerance = 1e-23;
 
-/// What two runs in quad precision say: the states of the finer one, and how far the other is from it.
+/// TwoRuns collects the states of the finer of two runs in quad precision, and how far the coarser one is from them.
 template <class P>
 class TwoRuns {
  public:
   TwoRuns() { result_.how = "quad precision run"; }
-  /// The next state, component by component: of the finer run, in double, and the difference of the coarser from it.
-  /// False where it is not finite: the runs end there.
+  /// Adds the state at t: fine(i) is component i of the finer run as a double, difference(i) is the coarser run minus
+  /// the finer. Returns false where the state is not finite; the runs end there.
   template <class Fine, class Difference>
   bool add(double t, Fine&& fine, Difference&& difference) {
     StateOf<P> truth, other;
@@ -82,7 +82,7 @@ class TwoRuns {
   Reference<P> result_;
 };
 
-/// By extrapolation.
+/// Runs the two tolerances by extrapolation in quad. keep_going() returns false to give up.
 template <class P, class KeepGoing>
 Reference<P> extrapolated_run(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
                               KeepGoing&& keep_going) {
@@ -111,7 +111,7 @@ Reference<P> extrapolated_run(const P& problem, const StateOf<P>& x0, const std:
   return std::move(runs).result();
 }
 
-/// Numbers to the digits that they have.
+/// Rounds quads to double-doubles.
 inline std::vector<DoubleDouble> digits_of(std::span<const Quad> numbers) {
   std::vector<DoubleDouble> digits;
   for (const Quad& number : numbers) {
@@ -121,7 +121,8 @@ inline std::vector<DoubleDouble> digits_of(std::span<const Quad> numbers) {
   return digits;
 }
 
-/// By Taylor series, of the equations on the tape. Empty where the motion comes to a place without one.
+/// Runs the two tolerances by Taylor series of the equations on the tape, whose rates are the nodes `rates`. Returns
+/// nothing where the motion comes to a place without a series.
 template <class P, class KeepGoing>
 std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
                                        tape::Tape tape, std::span<const tape::Index> rates, KeepGoing&& keep_going) {
@@ -167,13 +168,13 @@ std::optional<Reference<P>> series_run(const P& problem, const StateOf<P>& x0, c
   return std::move(runs).result();
 }
 
-/// Two runs in quad precision to these times.
+/// Runs the two tolerances by Taylor series where the equations have them, else by extrapolation.
 template <class P, class KeepGoing>
 Reference<P> quad_precision_run(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
                                 KeepGoing&& keep_going) {
   tape::Tape tape;
   const auto rates = taylor::write_equations<StateOf<P>>(problem, tape);
-  // Of larger ones a step in so many digits takes longer than anybody waits for a look at the clock.
+  // With larger equations, a step in so many digits would take too long between two looks at the clock.
   constexpr tape::Index most_operations = tape::most_of_equations / 4;
   if (tape.size() > most_operations) {
     Reference<P> none;
@@ -193,8 +194,8 @@ bool has_closed_form(const P& problem, const StateOf<P>& x0) {
   return HasExact<P>;
 }
 
-/// The true states at increasing times from x0 on. keep_going() is asked now and then by a run, never by a closed form,
-/// which takes no time; false gives up.
+/// Returns the true states at increasing times from x0 on. A run asks keep_going() now and then and gives up if it
+/// returns false; a closed form, which takes no time, does not ask.
 template <class P, class KeepGoing>
 Reference<P> reference_solution(const P& problem, const StateOf<P>& x0, const std::vector<double>& times,
                                 KeepGoing&& keep_going) {
@@ -203,7 +204,8 @@ Reference<P> reference_solution(const P& problem, const StateOf<P>& x0, const st
   return quad_precision_run(problem, x0, times, keep_going);
 }
 
-/// The same, their type forgotten. `kinds`: of the variables, kinds_of the card.
+/// Returns the reference solution as a Truth, which is independent of the type of the problem. `kinds`: the kinds of
+/// the variables, kinds_of the card.
 template <class P>
 Truth true_states(const P& problem, const StateOf<P>& x0, const std::vector<double>& times, const KeepGoing& keep_going,
                   std::span<const std::size_t> kinds) {

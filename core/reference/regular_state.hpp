@@ -1,4 +1,4 @@
-// Where the regular motion from a singular start is at a later time.
+// regular_state gives the state of the regular motion from a singular start at a later time.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 
 namespace least {
 
-/// At t ≠ 0: by the series as far as it reaches, from there on by the reference integrator, rounded to double.
+/// Returns the state at t ≠ 0, rounded to double: by the series of the problem as far as it reaches, from there on by
+/// the reference integrator; or a message that says why the state is not known.
 template <HasSeries P>
 RegularStart regular_state(const P& problem, double t) {
   using X = FullStateOf<P>;

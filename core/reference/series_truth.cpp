@@ -12,13 +12,14 @@
 namespace least {
 namespace {
 
-constexpr std::size_t times_at_once = 256;  // times
+constexpr std::size_t times_at_once = 256;
 
-/// The states of two motions of the same equations, one after the other.
+/// The states of two motions of the same equations, each one state after the other.
 using TwoWays = std::array<std::vector<DoubleDouble>, 2>;
 
-/// The motion by Taylor series in double, by steps that leave nothing but rounding. Times are told by the polynomials,
-/// so that steps do not end at them: roundings of two motions with other steps are other ones.
+/// DoubleMotion integrates by Taylor series in double, with steps whose truncation errors are below rounding. The
+/// polynomials give the states at the times asked for, at which steps do not end: two motions of different orders so
+/// have different steps and different rounding errors.
 class DoubleMotion {
  public:
   DoubleMotion(const tape::Program& program, int order, const std::vector<DoubleDouble>& start, double t)
@@ -27,8 +28,8 @@ class DoubleMotion {
   }
 
   int order() const { return series_.order(); }
-  /// The state at t, which is no earlier than any time asked for before, and what rounding has kept from it; false
-  /// where the motion does not go on or keep_going() says so.
+  /// Appends the state at t, rounding errors included, to `states`; t must not be earlier than any time asked for
+  /// before. Returns false where the motion does not go on, or if keep_going() does.
   bool append(double t, const KeepGoing& keep_going, std::vector<DoubleDouble>& states) {
     while (t_ + h_ < t)
       if (!keep_going() || !step()) return false;
@@ -45,7 +46,7 @@ class DoubleMotion {
  private:
   static constexpr double closest = 1e-15;
 
-  /// The next step, from where the last one ends to a time that is a number.
+  /// Makes the next step, from the end of the last one. Its end is a double and a state with finite rates.
   bool step() {
     if (h_ > 0) series_.evaluate(h_, low_.data(), y_.data());
     t_ += h_;
@@ -60,11 +61,11 @@ class DoubleMotion {
   }
 
   taylor::Expansion series_;
-  double t_, h_ = 0;  ///< where the last step begins, and how long it is
+  double t_, h_ = 0;  ///< beginning and length of the last step
   std::vector<double> y_, low_, end_, rest_;
 };
 
-/// Two of them, of which one has longer steps by a higher order.
+/// Two such motions, of which one has a higher order and so longer steps.
 class TwoDoubleMotions {
  public:
   TwoDoubleMotions(const tape::Program& program, const std::vector<DoubleDouble>& start, double t)
@@ -82,7 +83,7 @@ class TwoDoubleMotions {
   DoubleMotion one_, other_;
 };
 
-/// The truth from two ways to it. at(times) gives the states of both, as far as each comes.
+/// Fills `truth` from two runs: at(times) returns the states of both at the next times, as far as each run goes.
 template <class At>
 Truth truth_of(const RunBackend& backend, const RunState& start, const std::vector<double>& times,
                const KeepGoing& keep_going, std::span<const std::size_t> kinds, Truth truth, At&& at) {
@@ -132,7 +133,7 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
                       const std::vector<double>& times, const KeepGoing& keep_going,
                       std::span<const std::size_t> kinds) {
   constexpr double closest = 1e-27, close = 1e-23, rounding = 0x1p-53;
-  // Of larger ones a step in so many digits takes longer than anybody waits; of the largest one in double does.
+  // With more operations, a step in double-double takes too long; with still more, even one in double.
   constexpr tape::Index most_in_quad = tape::most_of_equations / 4, most_in_double = 2 * tape::most_of_equations;
   Truth truth{{}, rounding, 0, {}, "quad precision run", false};
   tape::Tape tape;
@@ -155,7 +156,7 @@ Truth truth_by_series(const RunBackend& backend, const RunState& start, const st
     lost = found.lost;
     return std::move(found.states);
   });
-  if (lost) truth.states.clear();  // there may be another way to all of them
+  if (lost) truth.states.clear();  // another method may reach all times
   if (fine.stuck() || coarse.stuck()) truth.missing = missing::no_motion;
   return truth;
 }

@@ -1,4 +1,5 @@
-// The true motion of a scene whose size is known when it runs: by Taylor series in double-double alone.
+// The true motion of a scene whose size is known at run time, by Taylor series alone: in double-double, or in double
+// where the equations are long.
 #pragma once
 
 #include <span>
@@ -10,10 +11,10 @@
 
 namespace least {
 
-/// The states at increasing times from the start on, by two runs of which one is finer; their difference is the
-/// uncertainty. Not complete where its equations take too many operations, have no series, or the motion does not go
-/// on. `digits`: the variables of the equations at the start, which are those of the state and velocities that were
-/// found. `kinds`: of the variables, kinds_of the card.
+/// Returns the states at increasing times from the start on, by two runs whose difference is the uncertainty. The truth
+/// is not complete where the equations take too many operations or have no series, or where the motion does not go on.
+/// `digits`: the variables of the equations at the start, those of the state and then velocities that were found.
+/// `kinds`: the kinds of the variables, kinds_of the card.
 Truth truth_by_series(const RunBackend& backend, const RunState& start, const std::vector<DoubleDouble>& digits,
                       const std::vector<double>& times, const KeepGoing& keep_going,
                       std::span<const std::size_t> kinds);

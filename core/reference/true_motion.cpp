@@ -17,12 +17,12 @@ using tape::Index;
 using tape::Node;
 using tape::Op;
 
-constexpr std::size_t long_equations = 256;  ///< operations, beyond which there are looks at the clock within a step
-constexpr double first_step = 0.1;           ///< at most; of those after it each is at most twice the one before
+constexpr std::size_t long_equations = 256;  ///< operations, beyond which keep_going() is asked within a step, too
+constexpr double first_step = 0.1;           ///< longest first step; each later step is at most twice the one before
 
 std::size_t nth(Index i) { return static_cast<std::size_t>(i); }
 
-/// The function that sin and the like are the derivative of, but for a sign.
+/// Returns the other one of the pairs sin, cos and sinh, cosh; Op::constant for all other operations.
 Op partner_of(Op op) {
   switch (op) {
     case Op::sin:
@@ -38,7 +38,7 @@ Op partner_of(Op op) {
   }
 }
 
-/// Times a power of two.
+/// x times `by`, a power of two.
 DoubleDouble scaled(double by, const DoubleDouble& x) { return {by * x.high(), by * x.low()}; }
 
 DoubleDouble inverse_of(std::size_t k) { return DoubleDouble(1) / DoubleDouble(static_cast<double>(k)); }
@@ -151,7 +151,7 @@ void TrueMotion::start(std::vector<DoubleDouble> x, double t) {
   least_size_ = size > 0 && size < 1 ? size : 1;
 }
 
-/// False: keep_going() has said so.
+/// Computes all orders at the state x_. Returns false if keep_going() does.
 LEAST_FUSED bool TrueMotion::expand(const std::function<bool()>& keep_going) {
   const bool looks = made_.size() > long_equations;
   if (!begun_) begin_at(x_, false);
@@ -180,15 +180,15 @@ double TrueMotion::largest(std::size_t k) const {
   return most;
 }
 
-/// Up to which order coefficients are numbers.
+/// Returns the order up to which the coefficients of all variables are finite.
 std::size_t TrueMotion::finite_orders() const {
   std::size_t order = 0;
   while (order < order_ && std::isfinite(largest(order + 1))) ++order;
   return order;
 }
 
-/// How long a step may be, in units, by the first `used` orders. As of the scheme `taylor`,
-/// core/schemes/taylor_length.cpp.
+/// Returns how long a step may be, in units, by the first `used` orders, as the scheme `taylor` does
+/// (core/schemes/taylor_length.cpp).
 double TrueMotion::length(std::size_t used) const {
   constexpr double kept = 1.0 / 16, slack = 10;
   constexpr std::size_t looked_at = 8;
@@ -199,7 +199,7 @@ double TrueMotion::length(std::size_t used) const {
       log_h = std::min(log_h, (allowed - std::log(size)) / static_cast<double>(k));
   const double root = std::exp(std::log(tolerance_) / static_cast<double>(used));
   double h = std::exp(log_h);
-  // Where the last two happen to vanish, those before them speak: cₖ ≤ rᵏ is to hold.
+  // Where the last two orders happen to vanish, the ones before them decide: cₖ ≤ rᵏ has to hold.
   const double log_r = std::log(root / h);
   for (std::size_t k = used; k > 0 && k + looked_at > used; --k)
     if (const double size = largest(k);
@@ -208,7 +208,8 @@ double TrueMotion::length(std::size_t used) const {
   return until_pole(h, used);
 }
 
-/// The series at the state, in a unit that suits it. False where there is none, or keep_going() says so.
+/// Computes the series at the state, in a suitable unit of time. Returns false where there is none, or if keep_going()
+/// does.
 bool TrueMotion::settle(const std::function<bool()>& keep_going) {
   constexpr int most_tries = 60;
   bool bounded = steep_.empty();
@@ -221,7 +222,7 @@ bool TrueMotion::settle(const std::function<bool()>& keep_going) {
       begin_at(x_, bounded = true);
       continue;
     }
-    if (used == 0) {  // the first rates are too large for the unit, or no numbers
+    if (used == 0) {  // the first rates are too large for the unit, or NaN
       if (!std::isfinite(largest(1)) && unit_ < 1e-250) break;
       unit_ *= 0x1p-10;
       continue;
@@ -243,10 +244,10 @@ bool TrueMotion::settle(const std::function<bool()>& keep_going) {
   return false;
 }
 
-/// Whether the polynomials solve the equations at a time within the step, in units. A series knows nothing of what
-/// begins behind its digits: a force that is switched on later.
+/// Whether the polynomials solve the equations at the time h, in units, within the step: a series knows nothing of a
+/// force that is switched on later. Leaves the state at that time in `ahead_`, and order 0 of the nodes there.
 LEAST_FUSED bool TrueMotion::solves(double h) {
-  constexpr double slack = 1e6;  // of tolerances: what is looked for is no matter of digits
+  constexpr double slack = 1e6;  // tolerances: a force that was missed is much larger
   const DoubleDouble t = t_;
   slopes_.clear();
   ahead_.clear();
@@ -273,7 +274,7 @@ LEAST_FUSED bool TrueMotion::solves(double h) {
   return good;
 }
 
-/// Shortens the step until steep functions are resolved in it; whether the argument of any moves.
+/// Shortens the step until steep functions are resolved in it. Returns whether the argument of any of them moves.
 bool TrueMotion::until_steep() {
   bool moves = false;
   for (const tape::SteepArgument& steep : steep_) {
@@ -295,9 +296,9 @@ bool TrueMotion::until_steep() {
   return moves;
 }
 
-/// The step that the series allows, shortened until it solves the equations; order 0 is left at its end. One that is as
-/// long as it may be, because hardly anything happens, and one in which steep functions move are looked at on their
-/// way. False, and no step: keep_going() has said so.
+/// Shortens the step that the series allows until the polynomials solve the equations, and leaves order 0 at its end. A
+/// step of the greatest length, in which hardly anything happens, and one in which arguments of steep functions move
+/// are also checked on the way. Returns false, with no step, if keep_going() does.
 bool TrueMotion::shorten(const std::function<bool()>& keep_going) {
   constexpr int parts = 8;
   const bool looks = made_.size() > long_equations;
@@ -330,7 +331,7 @@ LEAST_FUSED DoubleDouble TrueMotion::within(Index variable, const DoubleDouble& 
 
 std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool()>& keep_going) {
   constexpr double shortest = 1e-25;  // of steps, relative to the time
-  // Where the motion ends steps become short for good: so many in a row, against the time until now.
+  // Where the motion ends, steps stay short: more than `patience` in a row below `tiny` times the time since the start.
   constexpr double tiny = 1e-9;
   constexpr int patience = 1000;
   if (t_ == DoubleDouble(t)) return x_;
@@ -342,7 +343,7 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
     if (!settle(keep_going) || !shorten(keep_going)) return {};
     short_ = length_ * unit_ < tiny * (t_.high() - start_) ? short_ + 1 : 0;
     if (short_ <= patience && free_ * unit_ > shortest * std::abs(t_.high())) continue;
-    lost_ = !choices_.empty();  // what is on the other side may have a series
+    lost_ = !choices_.empty();  // another method may get across the change of a formula
     return {};
   }
   const DoubleDouble h = (DoubleDouble(t) - t_) / DoubleDouble(unit_);
@@ -354,7 +355,8 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
 SideBySide side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
                         const std::function<bool()>& keep_going) {
   using States = std::vector<DoubleDouble>;
-  std::atomic<std::size_t> wanted{times.size()};  // of them: where one has ended, the other need not go on
+  std::atomic<std::size_t> wanted{
+      times.size()};  // how many of the times: where one motion has ended, the other need not go on
   const auto run = [&wanted, times](TrueMotion& motion, const std::function<bool()>& going) {
     States states;
     std::size_t done = 0;
@@ -368,7 +370,7 @@ SideBySide side_by_side(TrueMotion& one, TrueMotion& other, std::span<const doub
     }
     return states;
   };
-  // The other one goes on to where this one is lost: what comes of both is no matter of who is faster.
+  // Each motion goes on to where the other one ended, so that the result does not depend on which thread is faster.
   const auto both = [&](States first, States second) -> SideBySide {
     const bool lost = (one.lost() && first.size() <= second.size()) || (other.lost() && second.size() <= first.size());
     if (lost) return {{}, true};
@@ -379,14 +381,14 @@ SideBySide side_by_side(TrueMotion& one, TrueMotion& other, std::span<const doub
   std::future<States> promise;
   try {
     promise = std::async(std::launch::async, [&] { return run(other, [] { return true; }); });
-  } catch (const std::system_error&) {  // no thread is to be had: one after the other
+  } catch (const std::system_error&) {  // no thread is available: one after the other
     States first = run(one, ask);
     return both(std::move(first), run(other, ask));
   }
   const struct Stop {
     std::atomic<std::size_t>& wanted;
     ~Stop() { wanted = 0; }
-  } stop{wanted};  // whatever is thrown
+  } stop{wanted};  // also when something is thrown
   States first = run(one, ask);
   while (promise.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout)
     if (!ask()) wanted = 0;

@@ -1,6 +1,6 @@
-// The motion of equations on a tape to some thirty digits: its Taylor series with coefficients of 106 bits, operation
-// by operation. A series counts time in units of about its own step, so that no coefficient over- or underflows. Any
-// time within a step is told by the polynomial. Sources: as core/tape/series.hpp.
+// TrueMotion integrates equations on a tape to some thirty digits, by Taylor series with coefficients of 106 bits that
+// are computed operation by operation. A series counts time in units of about its own step, so that no coefficient
+// over- or underflows. Its polynomial gives the state at any time within the step. Sources: as core/tape/series.hpp.
 #pragma once
 
 #include <array>
@@ -17,37 +17,38 @@ namespace least {
 
 class TrueMotion {
  public:
-  /// Of the tape of equations the rates ẋ of the variables, in their order. `tolerance`: of the last terms of a step,
-  /// relative to the largest component, now or at the start, or to 1 where the start is larger.
+  /// `rates`: the rates ẋ, nodes of `equations` in the order of the variables. `tolerance` bounds the last terms of a
+  /// step relative to the largest component, or to the smaller of 1 and the largest component at the start where that
+  /// is larger.
   TrueMotion(tape::Tape equations, std::span<const tape::Index> rates, double tolerance);
 
-  /// Whether series are made of all that stands on the tape: of x^y of two that vary and of sums of terms none are.
+  /// Whether all operations on the tape have series here: x^y with a variable exponent and sums of terms do not.
   static bool covers(const tape::Tape& tape);
 
   void start(std::vector<DoubleDouble> x, double t);
-  /// The state at t, which is no earlier than any time asked for before. Empty where keep_going() says so, which is
-  /// asked at each step, and of long equations within it, or where the motion does not go on. Once it has said so
-  /// nothing is known of the motion any more until it is started again.
+  /// Returns the state at t, valid until the next call; t must not be earlier than any time asked for before. The
+  /// result is empty where the motion does not go on, or if keep_going() returns false, which is asked at each step,
+  /// and with long equations within a step. After that the motion has to be started again.
   std::span<const DoubleDouble> at(double t, const std::function<bool()>& keep_going);
-  /// Whether it ended where the equations have no series, as √q³ at q = 0: others may go on.
+  /// Whether the motion ended where the equations have no series, such as √q³ at q = 0; another method may go on.
   bool lost() const { return lost_; }
-  /// Whether it ended where a formula changes and either side leads back to the other, as where friction holds what
-  /// has come to rest: the equations have no solution from there.
+  /// Whether the motion ended where a formula changes and either side leads back to the other, as where friction holds
+  /// a body that has come to rest: the equations have no solution from there on.
   bool stuck() const { return stuck_; }
 
  private:
-  /// Rows of coefficients beside the node's own; none where it needs none.
+  /// Further rows of coefficients of a node; none where it needs none.
   struct Rows {
     tape::Index weighted = tape::none;  ///< k times the coefficient k
     tape::Index helper = tape::none;  ///< of sin the row of cos, of tan that of 1 + tan², of atan that of 1 + a² …
   };
   DoubleDouble* row(tape::Index i) { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
   const DoubleDouble* row(tape::Index i) const { return rows_.data() + static_cast<std::size_t>(i) * (order_ + 1); }
-  /// What formulas are chosen by, and which of the two is.
+  /// A choice between two formulas by the sign of a value.
   struct Choice {
     tape::Index by = tape::none;  ///< the value that decides
-    bool first = false;           ///< it is negative
-    int turns = 0;                ///< how often it has been changed where the series stands
+    bool first = false;           ///< the value is negative: the first formula holds
+    int turns = 0;                ///< how often the side has been changed at the current expansion point
   };
   void begin(tape::Index i);
   void begin_all(double bound);
@@ -76,35 +77,36 @@ class TrueMotion {
   std::vector<tape::SteepArgument> steep_;
   std::vector<tape::Index> poles_;  ///< divisors linear in time
   std::vector<Choice> choices_;
-  std::vector<std::size_t> choice_of_;                      ///< by node that chooses
+  std::vector<std::size_t> choice_of_;                      ///< by node of Op::select: its choice
   std::vector<Rows> rows_of_;                               ///< by node
-  std::vector<tape::Index> made_;                           ///< nodes of which a rule makes orders
-  std::vector<std::pair<tape::Index, tape::Index>> given_;  ///< others that are weighted, and where that goes
+  std::vector<tape::Index> made_;                           ///< nodes whose orders a rule computes
+  std::vector<std::pair<tape::Index, tape::Index>> given_;  ///< other nodes with a weighted row, and that row
   tape::Index time_ = tape::none;
   double tolerance_, least_size_ = 1;
   std::size_t order_;
   Held held_{};  ///< for the rows
   std::vector<DoubleDouble> inverses_, reciprocals_, rows_, x_, asked_;
-  std::vector<DoubleDouble> ahead_, slopes_;  ///< at the end of the step, and as its polynomials have it
-  double bound_ = 0;                          ///< of steep functions where their order 0 is made
-  bool begun_ = false;                        ///< order 0 of all nodes is that at x_, or at `ahead_`
-  DoubleDouble t_{};                          ///< where the series stands
-  double unit_ = 1, length_ = 0;              ///< of time; of the step from there, in units; 0: there is no series yet
+  std::vector<DoubleDouble> ahead_, slopes_;  ///< state at the end of the step, and its slopes by the polynomials
+  double bound_ = 0;                          ///< to which order 0 of steep functions is clamped
+  bool begun_ = false;                        ///< order 0 of all nodes is known at x_, or at `ahead_`
+  DoubleDouble t_{};                          ///< the expansion point
+  double unit_ = 1, length_ = 0;              ///< unit of time; length of the step in units, 0: there is no series yet
   double free_ = 0;                           ///< the length that it would have if no formula changed
-  double longest_ = 0;                        ///< a step may be
+  double longest_ = 0;                        ///< bound of the next step
   double start_ = 0;
-  int short_ = 0;                                        ///< steps in a row that are next to nothing
-  bool lost_ = false, stuck_ = false, chooses_ = false;  ///< sides are those of order 0
+  int short_ = 0;                                        ///< steps in a row of negligible length
+  bool lost_ = false, stuck_ = false, chooses_ = false;  ///< chooses_: order 0 sets the sides
 };
 
-/// The states of two motions of the same equations at increasing times, one after the other, as far as each comes.
+/// The states of two motions of the same equations at increasing times, one after the other, as far as each motion
+/// goes.
 struct SideBySide {
   std::array<std::vector<DoubleDouble>, 2> states;
-  /// One has come to a place without a series, no later than where the other one ended: then there are no states.
+  /// Whether one motion came to a place without a series, no later than the other one ended. Then `states` is empty.
   bool lost = false;
 };
-/// Side by side, as they take their time. keep_going() is asked by the thread that calls, and no more once it has said
-/// no.
+/// Runs both motions to these times on two threads. keep_going() is called on the calling thread alone, and no more
+/// once it has returned false.
 SideBySide side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
                         const std::function<bool()>& keep_going);
 

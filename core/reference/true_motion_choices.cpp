@@ -1,5 +1,5 @@
-// Where formulas change on the way of a motion: which of the two a series is made of, and when that ends; and where
-// they end.
+// How TrueMotion treats choices between two formulas, that is, from which one a series is made and where the motion
+// leaves its side; and poles of the rates.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +10,8 @@
 namespace least {
 namespace {
 
-/// The change by which one side is left, as a polynomial of the time: positive on the side of the series.
+/// Margin is the series of the value that decides a choice, as a polynomial of the time, with the sign that makes it
+/// positive on the side of the series.
 struct Margin {
   const DoubleDouble* c;
   std::size_t orders;
@@ -26,16 +27,16 @@ struct Margin {
     for (std::size_t k = orders; k-- > 1;) sum = sum * time + static_cast<double>(k) * c[k].high();
     return sign * sum;
   }
-  /// To all digits.
+  /// The value at a time, computed in double-double.
   double exactly(double time) const {
     DoubleDouble sum{};
     for (std::size_t k = orders; k-- > 0;) sum = sum * DoubleDouble(time) + c[k];
     return sign * sum.high();
   }
-  /// Where it, or its slope, changes its sign between two times, as a number beyond the change.
+  /// Returns the first double at which positive(time) no longer holds, by bisection between `low` and `high`.
   template <class F>
   static double border(F&& positive, double low, double high) {
-    constexpr int halvings = 1100;  // so many lead from any number to the least one
+    constexpr int halvings = 1100;  // as many lead from any double to the smallest one
     for (int i = 0; i < halvings; ++i) {
       const double middle = 0.5 * (low + high);
       if (!(low < middle && middle < high)) break;
@@ -45,8 +46,8 @@ struct Margin {
   }
 };
 
-/// What is nothing beside a series of this size, and beside the two numbers that its value is a sum of. `at(i)`: the
-/// size of what stands at a place of the tape.
+/// Returns the size below which a deciding value counts as zero: by the size of its series, and if the value is a sum,
+/// by the sizes of its two summands. at(i) is the size of node i.
 template <class At>
 double nothing_beside(double size, const tape::Tape& tape, tape::Index value, At&& at) {
   constexpr double part = 1e-26, rounding = 1e-31;
@@ -57,10 +58,10 @@ double nothing_beside(double size, const tape::Tape& tape, tape::Index value, At
 
 }  // namespace
 
-/// Whether a series has to be made anew, of other sides: of a value that vanishes at its beginning the side is where it
-/// goes.
+/// Sets the sides of all choices at the expansion point. Returns whether a side has changed, so that the series has to
+/// be computed anew. The side of a value that vanishes there is the one to which it moves.
 bool TrueMotion::take_sides() {
-  constexpr double still = 1e-20;  // of the series
+  constexpr double still = 1e-20;  // relative to the series: smaller coefficients count as zero
   constexpr int most_turns = 2;
   const auto size_at = [this](tape::Index i) { return std::abs(row(i)[0].high()); };
   bool anew = false;
@@ -84,8 +85,8 @@ bool TrueMotion::take_sides() {
   return anew;
 }
 
-/// No step leads over a place where rates are infinite, whatever the last coefficients say, unless they say that it is
-/// none: of R/(t − t*) each of them tells R.
+/// Shortens a step h so that it does not lead over a pole of the rates, whatever the last coefficients suggest, unless
+/// they show that there is no pole: each coefficient of R/(t − t*) determines R.
 double TrueMotion::until_pole(double h, std::size_t used) const {
   constexpr double none = 1e-28;
   constexpr std::size_t looked_at = 3;
@@ -100,15 +101,16 @@ double TrueMotion::until_pole(double h, std::size_t used) const {
   return h;
 }
 
-/// How much what a choice is made by changes until then, at most.
+/// Returns a bound of the change of the deciding value until `end`.
 double TrueMotion::most_change(const Choice& choice, double end) const {
   double most = 0;
   for (std::size_t k = order_; k-- > 1;) most = (most + std::abs(row(choice.by)[k].high())) * end;
   return most;
 }
 
-/// The first time up to `end`, in units, at which a value has left the side of the series; else `end`. It is looked for
-/// between so many looks, and where the value turns back between two of them: where it only touches zero it stays.
+/// Returns the first time up to `end`, in units, at which the deciding value has left the side of the series, else
+/// `end`. The value is examined at `looks` times, and where it turns back between two of them. A value that only
+/// touches zero stays on its side.
 double TrueMotion::change_of(const Choice& choice, double end) const {
   constexpr int looks = 16;
   const DoubleDouble* const c = row(choice.by);
@@ -124,7 +126,7 @@ double TrueMotion::change_of(const Choice& choice, double end) const {
     double low = before, high = time;
     if (slope < 0 && next > 0) high = Margin::border([&](double t) { return margin.slope(t) < 0; }, before, time);
     if (!kept(high) && margin.exactly(high) < -nothing) {
-      // From the border itself, where rounding decides on which side it is, the value first goes away.
+      // The value begins at zero, where rounding decides on its side, and first moves away from there.
       if (before == 0 && slope > 0) {
         low = Margin::border([&](double t) { return margin.slope(t) > 0; }, 0, high);
         if (!kept(low)) low = 0;
@@ -137,8 +139,8 @@ double TrueMotion::change_of(const Choice& choice, double end) const {
   return end;
 }
 
-/// A step no longer than `end` within which the series of what a choice is made by says what that is: the motion may be
-/// much slower, as where the sign of sin(20t) alone acts.
+/// Returns a step of at most `end` within which the series of the deciding value is accurate: the value may change much
+/// faster than the motion, as where only the sign of sin(20t) acts.
 double TrueMotion::told_until(const Choice& choice, double end) const {
   if (most_change(choice, end) < std::abs(row(choice.by)[0].high())) return end;
   std::array<double, tape::most_terms> terms{};
@@ -146,8 +148,8 @@ double TrueMotion::told_until(const Choice& choice, double end) const {
   return tape::told_until({terms.data(), order_}, end, tolerance_);
 }
 
-/// Shortens the step up to the first change. Its time is a double: the step ends a little before it, and the next one,
-/// which is so short that all digits of its length count, there.
+/// Shortens the step up to the first change. A length is a double, so the step ends a little before the change, and the
+/// next step, whose length is so short that all its digits count, ends there.
 void TrueMotion::until_change() {
   constexpr double shortly = 1e-11;
   const Choice* next = nullptr;

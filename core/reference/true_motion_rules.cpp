@@ -1,4 +1,4 @@
-// What operations make of series, order by order.
+// The recurrences of TrueMotion: how an operation computes the orders of its node.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,7 +20,7 @@ DoubleDouble halved(const DoubleDouble& x) { return {0.5 * x.high(), 0.5 * x.low
 
 }  // namespace
 
-/// Order 0.
+/// Computes order 0 of node i.
 void TrueMotion::begin(Index i) {
   const Node& node = tape_[i];
   DoubleDouble* const out = row(i);
@@ -75,7 +75,7 @@ void TrueMotion::begin(Index i) {
   if (const DoubleDouble* const below = divisor_of(i)) reciprocals_[place_of(i)] = DoubleDouble(1) / *below;
 }
 
-/// Order 0 of all nodes; steep functions are held below the bound.
+/// Computes order 0 of all nodes; steep functions are clamped to ±bound.
 LEAST_FUSED void TrueMotion::begin_all(double bound) {
   bound_ = bound;
   for (Index i = 0; i < tape_.size(); ++i) begin(i);
@@ -85,9 +85,9 @@ bool TrueMotion::finite_rates() const {
   return std::ranges::all_of(rates_, [this](Index rate) { return std::isfinite(row(rate)[0].high()); });
 }
 
-/// Makes order 0 of all nodes at x. A steep function that overflows may stand in a divisor, as cosh² in v/cosh² u.
-/// Where rates are no numbers, or where `bounded` asks for it, such functions are held at a bound, but only if a higher
-/// bound gives the same rates.
+/// Computes order 0 of all nodes at x. A steep function that overflows may stand in a divisor, such as cosh² in v/cosh²
+/// u. Where rates are not finite, or if `bounded`, such functions are clamped to a bound, but only if a higher bound
+/// gives the same rates.
 void TrueMotion::begin_at(const std::vector<DoubleDouble>& x, bool bounded) {
   constexpr double bound = 1e50, higher = 1e60, same = 1e-30;
   for (std::size_t v = 0; v < variables_.size(); ++v) row(variables_[v])[0] = x[v];
@@ -106,7 +106,7 @@ void TrueMotion::begin_at(const std::vector<DoubleDouble>& x, bool bounded) {
   }
 }
 
-/// What every order of the node is divided by; none.
+/// Returns the row whose order 0 divides every order of the node, or null.
 const DoubleDouble* TrueMotion::divisor_of(Index i) const {
   switch (tape_[i].op) {
     case Op::divide:
@@ -125,7 +125,7 @@ const DoubleDouble* TrueMotion::divisor_of(Index i) const {
   }
 }
 
-/// Order k > 0, of what the node is made of known up to k.
+/// Computes order k > 0 of node i from the orders up to k of its operands.
 LEAST_FUSED void TrueMotion::extend(Index i, std::size_t k) {
   const Node& node = tape_[i];
   const Rows& own = rows_of_[place_of(i)];

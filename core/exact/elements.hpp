@@ -1,5 +1,5 @@
-// The ellipse that a body of unit mass would follow from here on around a centre of attraction μ: its osculating
-// elements. Source: Goldstein, Poole, Safko, Classical Mechanics, 2002, sections 3.7 and 3.9.
+// Elements are the osculating elements of a body of unit mass: those of the conic that it would follow from here on
+// around a centre of attraction μ. Source: Goldstein, Poole, Safko, Classical Mechanics, 2002, sections 3.7 and 3.9.
 #pragma once
 
 #include <array>
@@ -14,9 +14,9 @@ namespace least::two_body {
 template <int N>
 struct Elements {
   Vec<N> lenz;  ///< p × L − μ q/r = (p² − μ/r) q − (q·p) p, of length μe: points to the periapsis
-  double semi_major_axis;   ///< negative on a hyperbola
-  double eccentricity;      ///< not a number where nothing attracts
-  double angular_momentum;  ///< in the plane about its normal, in space its size
+  double semi_major_axis;   ///< negative on a hyperbola; NaN where nothing attracts
+  double eccentricity;      ///< NaN where nothing attracts
+  double angular_momentum;  ///< in the plane its component along the normal, in space its magnitude
 };
 
 template <std::size_t N>
@@ -38,8 +38,8 @@ Elements<int(N)> elements(const std::array<double, N>& q, const std::array<doubl
 /// Below this eccentricity the direction of the periapsis is rounding.
 inline constexpr double least_eccentricity = 1e-8;
 
-/// By number: those that an orbit has in the plane, and but for the last in space. Not a number where it is not
-/// defined, or where squares of what is large overflow.
+/// The elements by number; orbits in space have all but the last. element(e, number) is NaN where the element is not
+/// defined, or where squares of large numbers overflow.
 inline constexpr std::array<std::string_view, 4> element_names{"angular_momentum", "semi_major_axis", "eccentricity",
                                                                "periapsis"};
 template <int N>

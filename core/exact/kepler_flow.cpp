@@ -31,8 +31,8 @@ T stumpff(const T& x) {
   return (c[0] + c[1] * x + (c[2] + c[3] * x) * y) + z * ((c[4] + c[5] * x + (c[6] + c[7] * x) * y) + z * c[8]);
 }
 
-/// G₀ … G₃: by series of a part of s, which is doubled again. No root of β is taken, whose rounding would be the same
-/// at every step, and the energy drift with it.
+/// G₀ … G₃ by series at s/2ⁿ, followed by n doublings. No root of β is taken: its rounding error would be the same at
+/// every step, and the energy would drift.
 template <class T>
 Universal<T> universal(const T& beta, const T& s) {
   using least::abs;
@@ -58,15 +58,15 @@ Universal<T> universal(const T& beta, const T& s) {
   return {g0, g1, g2, g3};
 }
 
-/// Where along the orbit the time is dt. The bracket closes in on it whatever the guesses are worth: the time grows
-/// with s, at the rate r > 0.
+/// Solver finds the s at which the time along the orbit is dt. The time grows with s, at the rate r > 0, so a bracket
+/// converges however bad the guesses are.
 class Solver {
  public:
   /// over: 1/r₀
   Solver(double r0, double over, double eta, double beta, double mu)
       : r0_(r0), over_(over), eta_(eta), beta_(beta), mu_(mu), zeta_(mu - beta * r0) {}
 
-  /// G at s, with s right to the last digit, and r there; not finite where there is none.
+  /// Returns G₀ … G₃ and sets s, right to the last digit, and r there; not finite where there is no solution.
   Universal<double> at(double dt, double& s, double& r) const {
     s = guess(dt);
     const Universal<double> g = universal(beta_, s);
@@ -80,7 +80,8 @@ class Solver {
   /// dr/ds.
   double slope(const Universal<double>& g) const { return eta_ * g.g0 + zeta_ * g.g1; }
 
-  /// What is short of the end by little is brought there by the first terms of series in what is left.
+  /// If s is almost right, corrects s, G and r by the first terms of their series in the rest; otherwise returns
+  /// nothing.
   std::optional<Universal<double>> end(const Universal<double>& g, double dt, double& s, double& r) const {
     constexpr double near = 1e-6;
     const double over = 1 / distance(g), first = -late(g, dt) * over, bend = first * slope(g) * over;
@@ -93,7 +94,7 @@ class Solver {
     return there;
   }
 
-  /// By Laguerre's rule, and by halving where that leaves the bracket.
+  /// Searches by Laguerre's rule, and by halving where that would leave the bracket.
   [[gnu::noinline]] Universal<double> search(double dt, double& s, double& r) const {
     constexpr int most_rounds = 2000, rounds_by_rule = 50;
     const double sign = dt < 0 ? -1 : 1, infinite = std::numeric_limits<double>::infinity();
@@ -112,8 +113,8 @@ class Solver {
     }
   }
 
-  /// The series of s in dt turned round, where its terms fall; else by the mean motion, or whichever term of the time
-  /// is the largest.
+  /// Returns a first s: by the series of the time in s, inverted, where its terms decrease; else by the mean motion of
+  /// an ellipse, or by the dominant term of the time.
   double guess(double dt) const {
     constexpr double trusted = 0.5;
     const double a = dt * over_, first = 0.5 * eta_ * over_ * a, square = a * a,
@@ -129,7 +130,7 @@ class Solver {
   double r0_, over_, eta_, beta_, mu_, zeta_;
 };
 
-/// Of an ellipse whole periods fall away.
+/// Returns dt without the whole periods of an ellipse.
 double within_half_a_period(double beta, double mu, double dt) {
   constexpr double pi = std::numbers::pi;
   if (!(beta > 0) || dt * dt * (beta * beta * beta) <= pi * pi * mu * mu) return dt;

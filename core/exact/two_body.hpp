@@ -44,7 +44,7 @@ Stumpff<T> stumpff(const T& beta, const T& s) {
   return {g0, g1, (1 - g0) / beta, (s - g1) / beta};
 }
 
-/// The state dt later; T is a scalar. Not finite where r₀ = 0 or the orbit is not defined.
+/// Returns the state at the time t; T is a scalar. Not finite where r₀ = 0 or the orbit is not defined.
 template <int N, class T, class S>
 State<N, T, S> propagate(const State<N, T, S>& x0, const T& mu, const S& t) {
   using least::abs;

@@ -1,8 +1,8 @@
 // The flow of q̈ = −μ q/r³ over a time, as a change of the state: universal variables, one formula for ellipses,
 // parabolas and hyperbolas, for steps of any length and either sign. kepler_change computes the change itself, so short
 // steps lose nothing to rounding, and compensated summation of the changes keeps the digits over long runs.
-// q₁ = q₀ + f q₀ + g v₀, v₁ = v₀ + f′ q₀ + g′ v₀
-// f = −μ G₂/r₀, g = Δt − μ G₃, f′ = −μ G₁/(r r₀), g′ = −μ G₂/r
+//   q₁ = q₀ + f q₀ + g v₀,  v₁ = v₀ + f′ q₀ + g′ v₀
+//   f = −μ G₂/r₀,  g = Δt − μ G₃,  f′ = −μ G₁/(r r₀),  g′ = −μ G₂/r
 // where Δt = r₀ G₁ + η G₂ + μ G₃ determines s, η = q₀·v₀, β = 2μ/r₀ − v₀², and G_k are Stumpff's functions of β and s.
 // A repelling centre has μ < 0. Motion along a line through the centre is the limit of ellipses, which turn round at
 // the centre.

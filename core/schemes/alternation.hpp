@@ -50,18 +50,18 @@ inline constexpr std::array<Named, 4> named{{
 
 }  // namespace alternations
 
-/// In the number S that time is made of.
+/// Alternation lists the drifts and kicks of a step as fractions of it, in the number type S of time.
 template <class S>
 struct Alternation {
-  int stages = 1;                                             ///< kicks; drifts are one more
-  std::array<S, compositions::most_stages> kick{}, middle{};  ///< middle: the time of a kick
+  int stages = 1;                                             ///< number of kicks; there is one drift more
+  std::array<S, compositions::most_stages> kick{}, middle{};  ///< middle: the time of each kick
   std::array<S, compositions::most_stages + 1> drift{};
 
   std::span<const S> middles() const { return {middle.data(), static_cast<std::size_t>(stages)}; }
 
-  /// That of a composition.
+  /// Returns the alternation of drift ½, kick, drift ½ with this composition.
   static const Alternation& of(const Composition& composition);
-  /// The i-th of `alternations::named`.
+  /// Returns the i-th of `alternations::named`.
   static const Alternation& named(std::size_t i);
 
   Alternation() = default;
@@ -89,7 +89,7 @@ struct Alternation {
 template <class S>
 const Alternation<S>& Alternation<S>::of(const Composition& composition) {
   if (!composition.weights().empty()) {
-    const auto& weights = Weights<S>::of(composition);  // kept as well, so before
+    const auto& weights = Weights<S>::of(composition);  // the composition keeps these, too: first of all
     return composition.kept<Alternation>([&] { return Alternation(weights); });
   }
   static const auto table = [] {
@@ -108,7 +108,7 @@ const Alternation<S>& Alternation<S>::named(std::size_t i) {
   }();
   return table[i];
 }
-#ifndef LEAST_LANE_BYTES  // a unit of lanes has everything itself
+#ifndef LEAST_LANE_BYTES  // units of lanes instantiate everything themselves
 extern template const Alternation<double>& Alternation<double>::of(const Composition& composition);
 extern template const Alternation<double>& Alternation<double>::named(std::size_t i);
 #endif

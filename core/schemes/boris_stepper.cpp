@@ -24,7 +24,7 @@ void BorisStepper<T>::begin(const T* x, double t) {
 
 template <class T>
 StepStatus BorisStepper<T>::step(T* x, double t, double h) noexcept {
-  double before = 0;  // of the stage before, what its drift leaves for this one
+  double before = 0;  // length of the stage before, half of whose drift is still to be made
   for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
     const double part = h * weights_->gamma[i];
     drift(x, 0.5 * (before + part));

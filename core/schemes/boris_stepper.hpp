@@ -1,5 +1,5 @@
-// The map of boris on a scene whose size is known when it runs, on components that stand where its caller has them.
-// Velocities stay what is carried from step to step: momenta are made of them, never the other way but at the start.
+// BorisStepper is the map of boris on a scene whose size is known at run time, in place on its caller's components. It
+// carries velocities from step to step; momenta are computed from these, and the reverse only at the start.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,16 @@
 
 namespace least {
 
-/// Of numbers T, double or dual. Nothing is allocated in a step.
+/// T is double or a dual number. A step allocates nothing.
 template <class T>
 class BorisStepper {
  public:
-  /// `room`: coordinates that a state has places for.
+  /// `room`: the number of coordinates for which a state has places; its momenta follow behind these.
   BorisStepper(std::shared_ptr<const text::Magnetic> scene, const Boris& scheme, std::size_t room);
 
   /// x: the coordinates of the scene, then their momenta, at the time t.
   void begin(const T* x, double t);
-  /// From the state at t to that at t + h, which is written to x.
+  /// Moves x from the state at t to that at t + h.
   StepStatus step(T* x, double t, double h) noexcept;
   const Work& work() const { return work_; }
   /// √m v of each coordinate, at the state.

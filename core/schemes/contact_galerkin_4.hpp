@@ -50,7 +50,7 @@ class ContactGalerkin4Stepper {
   }
   const Work& work() const { return work_; }
 
-  /// E_d of the step from x, the mean of v·L_v − L over the stages; not a number where there is none.
+  /// E_d of the step from x, the mean of v·L_v − L over the stages; NaN where the step fails.
   T energy(const X& x, const S& h) noexcept requires X::acting {
     const Times times = times_of(x, h);
     Vec<2 * P::dof, T> z;
@@ -94,7 +94,7 @@ class ContactGalerkin4Stepper {
                               work_);
   }
 
-  /// With L linear in s the middle is met once, else twice.
+  /// Evaluations of a path: the middle is evaluated once where L is linear in s, else twice.
   static constexpr int nodes = LinearContact<P> ? 3 : 4;
   using F = decltype(phase(std::declval<const P&>(), std::declval<const S&>()));
   struct Times {

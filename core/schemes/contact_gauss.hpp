@@ -161,7 +161,7 @@ class ContactGaussStepper {
         z[i * width + n + 1] = T(action_slope(problem_, x.action.s, f[0]));
       }
     }
-    // A force means something down to what it does to the momentum, and that to what it does to the position.
+    // A force matters down to the rounding of the momenta and positions that it changes.
     for (const T& c : z) scale = scale + abs(c);
     grain = grain_of(x.p, h) + grain_of(x.q, h);
     if constexpr (QuadraticContact<P>) grain = grain + grain_of(Vec<1, T>{x.action.s}, h);

@@ -56,7 +56,7 @@ class ContactLeapfrogStepper {
     return status;
   }
   const Work& work() const { return work_; }
-  /// f of each number that belongs to the state: who moves a lane moves them with it.
+  /// Calls f with each number kept that belongs to the state; a lane that moves to another stepper takes these along.
   template <class Each>
   void each_kept(Each&& f) {
     for (T& component : seen_.slope) f(component);
@@ -124,7 +124,7 @@ class ContactLeapfrogStepper {
       c = factors(h, seen.damping, next);
       seen.damping = next;
     }
-    if (all_failed(status, !(c.after > A(0)), StepStatus::singular)) return status;  // a pole is no number
+    if (all_failed(status, !(c.after > A(0)), StepStatus::singular)) return status;  // NaN at a pole
     Vec<n, T> v;
     for (std::size_t k = 0; k < n; ++k) v[k] = c.before * y.p[k] - (h * 0.5) * seen.slope[k];
     const T potential = seen.potential;

@@ -36,7 +36,8 @@ inline constexpr auto splitting_names = [] {
   return all;
 }();
 
-/// What the flow of A over h does, apart from s. Linear: E and φ. Quadratic: cosh wh and sinh(wh)/w, w² = γR/2.
+/// ActionFlow has the coefficients of the flow of A over h that do not depend on s: E and φ where A is linear in s;
+/// cosh wh and sinh(wh)/w, w² = γR/2, where it is quadratic.
 template <class A>
 struct ActionFlow {
   A e{}, f{};
@@ -47,7 +48,7 @@ struct ActionFlow {
   }
 };
 
-/// That of A = γs²/2 − R, taken with the potential as one, where w² = γR/2 is `square`.
+/// Returns the coefficients of the common flow of A = γs²/2 − R and the potential; `square` is w² = γR/2.
 template <class R, class S>
 ActionFlow<R> quadratic_flow(const R& square, const S& h) {
   using least::abs;
@@ -80,7 +81,7 @@ ActionFlow<R> quadratic_flow(const R& square, const S& h) {
   return either(abs(x) < R(0.25), series, [&] { return either(square < R(0), circular, hyperbolic); });
 }
 
-/// Merged: whether A and B are taken as one, a mask where each lane has an α of its own.
+/// `merged`: whether A and B are taken as one flow; a mask where each lane has an α of its own.
 template <SeparableContact P, class X, class Merged>
 class ContactSplittingStepper {
  public:
@@ -112,7 +113,7 @@ class ContactSplittingStepper {
     return status;
   }
   const Work& work() const { return work_; }
-  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  /// The stepper keeps nothing of the state: a lane that moves to another stepper takes nothing along.
   template <class F>
   void each_kept(F&&) {}
 
@@ -200,7 +201,8 @@ class ContactSplittingStepper {
   Work work_;
 };
 
-/// The palindrome of a flow's pieces. The outermost, which must not depend on time, is one where two stages meet.
+/// PalindromeStepper composes the exact flows of a SplitFlow to a palindrome. The outermost piece must not depend on
+/// time; where two stages meet, its two flows are one.
 template <SplitFlow P, class X>
 class PalindromeStepper {
  public:
@@ -221,7 +223,7 @@ class PalindromeStepper {
     return StepStatus::ok;
   }
   const Work& work() const { return work_; }
-  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  /// The stepper keeps nothing of the state: a lane that moves to another stepper takes nothing along.
   template <class F>
   void each_kept(F&&) {}
 
@@ -302,7 +304,8 @@ struct ContactSplitting {
   double stiff_from(const P& problem) const {
     return takes_as_one(problem) ? std::numeric_limits<double>::infinity() : 2;
   }
-  /// Everything is taken at the middle of a step, which is of order 2 there; others have to begin on a series.
+  /// A single step reads everything at its middle and so keeps order 2 at a singular start; the others have to begin on
+  /// a series.
   template <class P>
   bool starts_at_singularity(const P&) const {
     return composition == Composition::none && !alternation_of(splitting);

@@ -57,14 +57,14 @@ class ContactSymplecticEulerStepper {
     return status;
   }
   const Work& work() const { return work_; }
-  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  /// The stepper keeps nothing of the state: a lane that moves to another stepper takes nothing along.
   template <class F>
   void each_kept(F&&) {}
 
  private:
   using F = decltype(phase(std::declval<const P&>(), std::declval<const S&>()));
 
-  /// A step looks at the time it begins with.
+  /// A step reads the phase at its beginning alone.
   static std::span<const S> nodes() {
     static const std::array<S, 1> start{S(0)};
     return start;

@@ -5,7 +5,7 @@
 
 namespace least {
 
-/// α, its derivative in time, and its integral up to there from wherever the problem, or the run, begins it.
+/// α at a time, its derivative in time, and its integral from a time that the problem or the run chooses.
 template <class T>
 struct DampingAt {
   T rate{}, slope{}, integral{};
@@ -26,7 +26,7 @@ T damping_by_quadrature(const P& m, const T& t0, const T& t1) {
 }
 }  // namespace detail
 
-/// At t, where the integral begins if the problem does not say it.
+/// Returns α at t. The integral begins at t if the problem does not give it.
 template <LinearContact P, class T>
 requires(!ConstantDamping<P>) DampingAt<T> damping_at(const P& m, const T& t) {
   using D = Dual<T, 1>;
@@ -39,7 +39,7 @@ requires(!ConstantDamping<P>) DampingAt<T> damping_at(const P& m, const T& t) {
     return {rate.value, rate.slope[0], T(0)};
   }
 }
-/// At t₁, with the integral from what it is `before` at t₀.
+/// Returns α at t₁, with the integral continued from `before`, its value at t₀.
 template <LinearContact P, class T>
 DampingAt<T> damping_after(const P& m, [[maybe_unused]] const DampingAt<T>& before, [[maybe_unused]] const T& t0,
                            const T& t1) {
@@ -48,7 +48,7 @@ DampingAt<T> damping_after(const P& m, [[maybe_unused]] const DampingAt<T>& befo
   return at;
 }
 
-/// V_t at q.
+/// Returns ∂V/∂t at q and t.
 template <Potential P, class T>
 T potential_rate(const P& m, const Vec<P::dof, T>& q, const T& t) {
   using D = Dual<T, 1>;

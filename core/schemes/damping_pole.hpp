@@ -13,15 +13,15 @@ namespace least {
 /// How near the denominator of that factor may come to zero.
 inline constexpr double least_denominator = 1e-8;
 
-/// What the scheme has against αh, in words; empty: nothing. A stage of weight γ has the pole at γαh = −2.
+/// Returns in words why the scheme cannot take αh; empty if it can. A stage of weight γ has the pole at γαh = −2.
 std::string unsupported_by_pole(const Composition& composition, double damping_step);
 
-/// The αh from which on such a step turns the momentum over: its factor is the product of those of the stages, and
-/// changes its sign at 2/γ where an odd number of stages has the weight γ > 0. Infinite: it has no such stage.
+/// Returns the αh from which on such a step turns the momentum over: its factor is the product of those of the stages,
+/// and changes its sign at 2/γ where an odd number of stages has the weight γ > 0. Infinite if there are no such
+/// stages.
 double flips_from(const Composition& composition);
 
-/// What the scheme has against the damping of a scene, as far as it is known before the run: where the damping does not
-/// change in time.
+/// The same for the damping of a scene; empty where it changes in time, and so is not known before the run.
 template <class P>
 std::string unsupported_by_pole(const P& problem, const Composition& composition, double step) {
   if constexpr (ConstantDamping<P>) return unsupported_by_pole(composition, problem.damping() * step);

@@ -97,9 +97,9 @@ struct Slopes : LagrangianTerms<P, T> {
   }
 };
 
-/// A step of length h in time of the variational integrator of a quadrature, from q, p and, for the trapezoid, the
-/// slopes at q: they are those at the new q afterwards. Order 2, symmetric, symplectic. Where the metric is constant
-/// the trapezoid is leapfrog.
+/// Moves q and p by a step of length h in time of the variational integrator of a quadrature. For the trapezoid, `here`
+/// has the slopes at q before the step, and those at the new q afterwards. Order 2, symmetric, symplectic. Where the
+/// metric is constant the trapezoid is leapfrog.
 template <Conservative P, class T>
 StepStatus variational_step(const P& problem, Quadrature quadrature, Vec<P::dof, T>& q, Vec<P::dof, T>& p,
                             Slopes<P, T>& here, const T& h, Work& work) {

@@ -35,14 +35,14 @@ class EnergyMomentumStepper {
     return status;
   }
   const Work& work() const { return work_; }
-  /// Of the step from a to b.
+  /// The discrete energy of the step from a to b.
   T discrete_energy(const X& a, const X& b) const { return midpoint_energy(problem_, a, b, b.t - a.t); }
-  /// Steps of the nominal length, because there is none that keeps the discrete energy.
+  /// The number of steps of the nominal length, taken where no step keeps the discrete energy.
   std::int64_t fallback_steps() const { return fallbacks_; }
 
  private:
   static constexpr int unknowns = P::dof + 1;
-  static constexpr double most = 16;  ///< of (h/h₀)², and of its inverse
+  static constexpr double most = 16;  ///< bound of (h/h₀)² and of its inverse
 
   /// The variational step of the velocity v and the length h, seen from its middle.
   template <class U>
@@ -67,7 +67,8 @@ class EnergyMomentumStepper {
     return {h, kinetic + at.potential, pi, at.force(v), kinetic + abs(at.potential)};
   }
 
-  /// Newton's method for (v, (h/h₀)²) from h₀: E_d is nearly linear in h². False where it finds nothing within bounds.
+  /// Newton's method for (v, (h/h₀)²) from h₀: E_d is nearly linear in h². Returns false where it finds no solution
+  /// within bounds.
   bool solve(X& x) {
     using least::abs;
     constexpr int most_iterations = 20;
@@ -76,7 +77,7 @@ class EnergyMomentumStepper {
     z[n] = T(1);
     const T scale = guess(x, z);
     const T grain = grain_of(x.q, T(step_));
-    T excess(0), size(0);  // of the discrete energy, and its terms
+    T excess(0), size(0);  // of the discrete energy over the level; of its terms
     const auto residual = [&](const auto& trial) {
       const auto at = middle(x, trial);
       auto r = trial;
@@ -95,7 +96,7 @@ class EnergyMomentumStepper {
       T change(0);
       for (std::size_t i = 0; i < n; ++i) change = change + abs(update[i]);
       for (std::size_t i = 0; i < unknowns; ++i) z[i] = z[i] - update[i];
-      if (!(z[n] > T(0) && z[n] < T(64 * most))) return false;  // also where it is no number
+      if (!(z[n] > T(0) && z[n] < T(64 * most))) return false;  // also where it is NaN
       // An energy that is right to its last digits says no more about h.
       const bool kept = abs(excess) <= 4 * Precision<T>::epsilon * (size + abs(level_));
       if (!(change <= small * scale + grain && (kept || abs(update[n]) <= small * z[n]))) continue;
@@ -115,7 +116,7 @@ class EnergyMomentumStepper {
     x.t = x.t + at.h;
     return true;
   }
-  /// v after half a kick; the size of velocities.
+  /// Sets the velocity in z to v after half a kick. Returns the size of velocities.
   T guess(const X& x, Vec<unknowns, T>& z) {
     using least::abs;
     const auto v = velocity(problem_, x.q, x.p);
@@ -173,7 +174,7 @@ struct EnergyMomentum {
             .needs = "a Lagrangian without s: a kinetic metric and a potential that does not depend on time",
             .references = {"Kane, Marsden, Ortiz, Journal of Mathematical Physics 40, 3353 (1999)"}};
   }
-  /// E₀ of a run from x: the discrete energy of a step of the nominal length; without one H.
+  /// E₀ of a run from x: the discrete energy of a step of the nominal length; H where that step fails.
   template <class P, class X>
   typename X::Number level(const P& problem, const X& x) const {
     X y = x;

@@ -43,8 +43,8 @@ class SixthDifference {
     const int place = ++stage_ < std::size(places) ? places[stage_] : none;
     if (place != none) rates_[static_cast<std::size_t>(place)] = rate;
   }
-  /// The step that would have passed; of a step that passes, the longest that the next one should be. `rough`: rates
-  /// may have a pole near here.
+  /// Returns the length with which a step would have passed; for a step that passes, the longest that the next one
+  /// should be. `rough`: rates may have a pole near here.
   double longest(const Vector& y, const Vector& rate, double h, bool rough) const {
     const double allowed = rough ? tolerance_ : smooth_tolerance_;
     Vector parts = y;  // its shape
@@ -57,7 +57,7 @@ class SixthDifference {
   }
 
  private:
-  /// About how much of the rates of a component a step does not see, as a sixth difference.
+  /// Estimates the part of a component's rates that a step does not see, as a sixth difference.
   double unseen(std::size_t i, bool rough) const {
     std::array<double, 7> d;
     for (std::size_t k = 0; k < d.size(); ++k) d[k] = rates_[k][i];

@@ -42,7 +42,7 @@ class Galerkin4Stepper {
   }
   const Work& work() const { return work_; }
 
-  /// E_d of the step from x; not a number where there is none.
+  /// E_d of the step from x; NaN where the step fails.
   T energy(const X& x, const S& h) noexcept {
     Vec<2 * P::dof, T> z;
     if (solve(x, h, z) != StepStatus::ok) return T(std::numeric_limits<double>::quiet_NaN());

@@ -51,13 +51,14 @@ class HamiltonianGaussStepper {
     rate[2 * n_ + 1] = scale * slopes.by_s;
   }
 
-  /// 1 − h A ⊗ J with J at the point y, and its factors. False: it is not to go on (AskedByThread).
+  /// Computes the matrix 1 − h A ⊗ J, with the Jacobian J of the rates at the point y, and factors it. Returns false if
+  /// AskedByThread::goes_on() does.
   template <int M>
   bool prepare(const std::array<double, widest>& y, double t, double h) {
     using D = Dual<double, 1>;
     const auto& rule = GaussRule<M, double>::get();
     std::array<D, widest> at, rate;
-    std::array<double, widest> added{};  // to each component in a step, by all others
+    std::array<double, widest> added{};  // what all components add to each one in a step
     const std::size_t all = M * width_;
     double* const entries = newton_->matrix.entries();
     for (std::size_t k = 0; k < width_; ++k) {
@@ -76,8 +77,8 @@ class HamiltonianGaussStepper {
     return newton_->matrix.factor();
   }
 
-  /// Positions, momenta, the action and P_s have units of their own: each kind is known against what it is at the point
-  /// y, and what is added to it in a step.
+  /// Sets the weights of the components. Positions, momenta, the action and P_s have units of their own: each kind is
+  /// measured relative to its size at the point y plus what a step adds to it.
   void weigh(const std::array<double, widest>& y, const std::array<double, widest>& added) {
     const std::array<std::size_t, 5> kinds{0, n_, 2 * n_, 2 * n_ + 1, width_};
     for (std::size_t kind = 0; kind + 1 < kinds.size(); ++kind) {
@@ -118,7 +119,7 @@ class HamiltonianGaussStepper {
           wrong[a * width_ + i] = sum;
         }
     };
-    bool first = true;  // at the start of the step, later in the middle of its stages
+    bool first = true;  // the Jacobian is taken at the start of the step, later at the mean of its stages
     const auto prepare_at = [&](const T* z) {
       if (!first)
         for (std::size_t i = 0; i < width_; ++i) {

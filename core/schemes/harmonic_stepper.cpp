@@ -50,7 +50,7 @@ void HarmonicStepper<T>::begin(const T* x, double) {
   transposed_times(scene_->to_places, x + room_, rho_.data());
 }
 
-/// Once for steps of one length. What is small beside 1 is kept apart from it.
+/// Computes the swings once for steps of one length; cos ωh − 1 keeps its digits apart from the 1.
 template <class T>
 void HarmonicStepper<T>::prepare(double h) noexcept {
   if (h == prepared_) return;
@@ -81,7 +81,7 @@ void HarmonicStepper<T>::drift(std::size_t i) noexcept {
   }
 }
 
-/// By −Tᵀ∇V + ω²z: what V has beyond its quadratic part.
+/// Kicks by −Tᵀ∇V + ω²z, the force of V beyond its quadratic part.
 template <class T>
 void HarmonicStepper<T>::kick(double t, double h) noexcept {
   times(scene_->to_places, z_.data(), q_.data());

@@ -1,4 +1,4 @@
-// Programs of large tapes, whose making is counted.
+// Programs of tapes, whose making counts against the thread's memory budget.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace least::taylor {
 
-/// A program made of a tape; what that takes meanwhile is held of the thread's budget.
+/// Returns the program of a tape. The memory for making it is held from the thread's budget meanwhile.
 inline tape::Program program_of(const tape::Tape& tape, std::span<const tape::Index> rates, std::size_t most) {
   constexpr std::size_t bytes_of_operation = 320;
   const Held held = HeldByThread::take_soon(bytes_of_operation * static_cast<std::size_t>(tape.size()));

@@ -84,7 +84,7 @@ class JacobiMaupertuisStepper {
   const ActiveMethod& active_method() const { return hybrid_.active_method(); }
   void go_on(const ActiveMethod& course) { hybrid_.go_on(course); }
   Work work() const { return hybrid_.work(); }
-  /// Of the step from a to b, taken in this way.
+  /// The discrete energy of the step from a to b, which was taken as `course` says.
   T discrete_energy(const X& a, const X& b, const ActiveMethod& course) const {
     return hybrid_.discrete_energy({a.q, a.p, {}, T(0)}, b.t - a.t, course);
   }
@@ -208,7 +208,7 @@ struct JacobiMaupertuis {
       all.push_back({"parameter_rule", "is for two degrees of freedom", "automatic"});
     return all;
   }
-  /// The same without steps along a coordinate: their length in time is bounded, as that of other schemes.
+  /// The scheme without steps along a coordinate, so that the length of steps in time is bounded as with other schemes.
   JacobiMaupertuis in_time() const {
     auto slow = *this;
     slow.critical_kinetic_energy = std::numeric_limits<double>::quiet_NaN();

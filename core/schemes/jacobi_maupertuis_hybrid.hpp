@@ -1,11 +1,11 @@
-// How the Jacobi–Maupertuis hybrid chooses its steps (core/schemes/jacobi_maupertuis.hpp), of whatever kind of problem:
-// a motion says what it takes them with.
+// JacobiMaupertuisHybrid chooses the steps of the scheme (core/schemes/jacobi_maupertuis.hpp) for any kind of problem,
+// through a motion:
 //   Motion::Number, Motion::Site    a Site has q, p, what is known of the mechanics there, and the time taken so far
-//   motion.site(), motion.numbers() one, and as many numbers as there are coordinates
+//   motion.site(), motion.numbers() make a Site, and as many numbers as there are coordinates
 //   motion.size()                   degrees of freedom
-//   motion.look(x, work)            finds what is to be known at x
+//   motion.look(x, work)            computes what is known of the mechanics at x
 //   motion.velocity(x, v)           v = g⁻¹p
-//   motion.kinetic(x)               K, of whatever is known at x
+//   motion.kinetic(x)               K, from what is known at x
 //   motion.scale(x, i)              √g_ii: a length along a coordinate
 //   motion.steepness(x)             |∇V|_{g⁻¹}
 //   motion.gap(x)                   E₀ − V
@@ -32,9 +32,9 @@ inline constexpr std::array<std::string_view, 3> parameter_rule_names{"automatic
 enum class Exit : std::uint8_t { nominal, paper };
 inline constexpr std::array<std::string_view, 2> exit_names{"nominal", "paper"};
 
-/// The step h of Hamilton's principle at which E_d is E₀, near h₀: the last step of the Jacobi–Maupertuis principle
-/// goes on in time. `excess(h, solved)`: E_d − E₀, and whether there is such a step. By the secant method from h₀ and
-/// 1.02 h₀; empty where it finds none within [h₀/4, 4h₀].
+/// Returns the step h in time near h₀ with E_d = E₀, which continues the last step of the Jacobi–Maupertuis principle.
+/// excess(h, solved) returns E_d − E₀ of a step h, and clears `solved` where there is no such step. The secant method
+/// starts from h₀ and 1.02 h₀; the result is empty where it finds no h within [h₀/4, 4h₀].
 template <class T, class Excess>
 std::optional<T> paper_exit_step(const T& h0, Excess&& excess) {
   using least::abs;
@@ -65,26 +65,28 @@ class JacobiMaupertuisHybrid {
   JacobiMaupertuisHybrid(const Motion& motion, const Settings& s);
 
   const Motion& motion() const { return motion_; }
-  /// Where the motion is: whoever moves it elsewhere looks there.
+  /// The state of the motion. Whoever changes it has to call `look` then.
   Site& here() { return here_; }
   const Site& here() const { return here_; }
   void look() { motion_.look(here_, work_); }
-  /// As a run begins, with another energy.
+  /// Resets what steps remember, for a run with another energy.
   void start_anew(const T& energy) {
     motion_.energy = energy;
     length_ = T(step_);
     last_fast_ = T(0);
   }
-  /// Leaves `here` where the step ends, and there as `elapsed` how long it took; as it was where the step fails.
+  /// Takes a step: moves `here` to its end and sets here().elapsed to the time it took. A failure leaves `here`
+  /// unchanged.
   StepStatus step();
   /// How the last step was taken.
   const ActiveMethod& active_method() const { return course_; }
-  /// As after a step that was taken in this way.
+  /// Goes on as after a step that was taken as `course` says.
   void go_on(const ActiveMethod& course) { course_ = course; }
   const Work& work() const { return work_; }
-  /// Of a step that took the time h from x, in this way: along a coordinate it is E₀ by the length that the step has.
+  /// Returns the discrete energy of a step that took the time h from x, as `course` says. Along a coordinate it is E₀,
+  /// which determines h.
   T discrete_energy(Site x, const T& h, const ActiveMethod& course) const;
-  /// Steps that had to be taken in time because none along a coordinate could be.
+  /// The number of steps that were taken in time because none along a coordinate could be taken.
   std::int64_t fallback_steps() const { return rescues_; }
 
  private:
@@ -108,8 +110,8 @@ class JacobiMaupertuisHybrid {
   double step_, theta_, critical_, hysteresis_, parameter_hysteresis_, alpha_max_;
   const Weights<Scalar>* weights_;
   Site here_, moved_, trial_;
-  Numbers v_, weight_;  ///< velocities, and those in units of length
-  T length_;            ///< of a step in time
+  Numbers v_, weight_;  ///< velocities v_i, and √g_ii |v_i|
+  T length_;            ///< length of a step in time
   T last_fast_{};       ///< time of the last fast step
   ActiveMethod course_;
   Work work_;
@@ -202,8 +204,8 @@ std::size_t JacobiMaupertuisHybrid<Motion>::parameter(int present) const {
   return weight_[best] > parameter_hysteresis_ * weight_[now] ? best : now;
 }
 
-/// How often θ is to be halved for the orbit not to turn by more than alpha_max. The way that a step of q^σ leads along
-/// the orbit is √n of that of q^σ at most, where σ is the fastest coordinate; for another it is what it is.
+/// Returns how often θ has to be halved so that the orbit turns by at most alpha_max. The way along the orbit is at
+/// most √n times that of q^σ if σ is the fastest coordinate; √n is taken then, and the true ratio for others.
 template <class Motion>
 int JacobiMaupertuisHybrid<Motion>::halvings(const Site& x, std::size_t sigma) {
   using least::sqrt;

@@ -16,7 +16,7 @@ namespace least {
 
 namespace detail {
 
-/// Whether the change of an unknown means nothing any more: derivatives that ride along have to settle as well.
+/// Whether the change of an unknown is negligible; of a dual number, the changes of its derivatives have to be, too.
 template <class T>
 bool settled(const T& change, const T&, const T& tolerance) {
   using least::abs;
@@ -51,7 +51,7 @@ class JacobiMaupertuisStep {
   JacobiMaupertuisStep(const P& problem, Quadrature quadrature, const T& energy)
       : problem_(problem), quadrature_(quadrature), energy_(energy) {}
 
-  /// Moves q^σ by δ, and everything else with it. A station that a step failed from is spoilt.
+  /// Moves q^σ by δ, and everything else with it. A step that fails leaves x undefined.
   StepStatus step(StepEnd<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
     if constexpr (n == 1) {
       return quadrature_step(x, delta, work);
@@ -80,7 +80,7 @@ class JacobiMaupertuisStep {
     bool admissible = false;  ///< E₀ − V̄ > 0
     T length_squared{}, h{};
     Vec<P::dof, T> velocity{}, lowered{}, force{};  ///< Δ/h, ḡΔ, F₀
-    Vec<P::dof, T> residual{};                      ///< −D₁A_d − p; its component σ is nobody's equation
+    Vec<P::dof, T> residual{};                      ///< −D₁A_d − p; its component σ is no equation
     LagrangianTerms<P, T> mean{};
   };
   /// `force` is taken at the left end, or at the middle: `mean` comes from the same points.
@@ -117,7 +117,7 @@ class JacobiMaupertuisStep {
   StepStatus solve(StepEnd<P, T>& x, std::size_t sigma, const T& delta, double sign, Work& work) const {
     using least::abs;
     constexpr int unknowns = P::dof - 1;
-    const auto place = [sigma](std::size_t k) { return k < sigma ? k : k + 1; };  // of the k-th unknown
+    const auto place = [sigma](std::size_t k) { return k < sigma ? k : k + 1; };  // coordinate of the k-th unknown
 
     // The predictor: the time to cover δ, half a kick, the time again.
     auto v = x.here.raise(problem_, x.p);
@@ -151,7 +151,7 @@ class JacobiMaupertuisStep {
       for (std::size_t i = 0; i < unknowns; ++i) right[i] = here.residual[place(i)];
       auto update = LinearSolver<T>::solve(jacobian, right, coordinates_of(problem_) - 1);
       ++work.iterations;
-      bool small = true, precise = true;  // what is not a number never is
+      bool small = true, precise = true;  // false for NaN
       for (std::size_t i = 0; i < unknowns; ++i) {
         small = small && abs(update[i]) <= tolerance;
         precise = precise && detail::settled(update[i], end[place(i)], tolerance);

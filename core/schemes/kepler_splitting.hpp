@@ -70,7 +70,7 @@ struct KeplerSplitting {
                            "Blanes, Casas, Farrés, Laskar, Makazaga, Murua, Appl. Numer. Math. 68, 58 (2013)"}};
   }
   std::vector<Conflict> conflicts(const ProblemCard&) const { return conflicts_of_turns(splitting, composition); }
-  /// Of the splitting: none for strang.
+  /// The turns of the splitting; null for strang.
   const Alternation<double>* turns() const { return alternation_of(splitting); }
 };
 

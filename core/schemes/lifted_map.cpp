@@ -12,7 +12,7 @@
 namespace least {
 namespace {
 
-/// x with A x = b in the place of b; A, row by row, is spoilt. Not finite where A has no inverse.
+/// Replaces b by x with A x = b; A is row-major and is overwritten. Not finite where A is singular.
 template <class T>
 void solve_in_place(std::size_t n, T* a, T* b) {
   for (std::size_t k = 0; k < n; ++k) {
@@ -46,7 +46,7 @@ std::vector<double> phi_one(std::size_t n, const std::vector<double>& matrix, do
   for (double& entry : z) entry *= h;
   return phi(n, std::move(z)).one;
 }
-/// With its derivative, as a block of that of [B B′; 0 B].
+/// φ₁(hB) with its derivative, which is the upper right block of φ₁ of h [B B′; 0 B].
 std::vector<Slope> phi_one(std::size_t n, const std::vector<Slope>& matrix, double h) {
   std::vector<double> block(4 * n * n);
   for (std::size_t i = 0; i < n; ++i)
@@ -87,7 +87,7 @@ class LiftedMap<T>::Steps {
   StepStatus step(const Place& x, double t, double h, Work& work);
 
  private:
-  /// e^{hB} − 1, e^{−hB} − 1, both row by row, and where y = 0 goes.
+  /// The exact motion over h: e^{hB} − 1 and e^{−hB} − 1, both row-major, and the image of y = 0.
   struct Exact {
     double h;
     std::vector<T> onward, back, offset;
@@ -96,7 +96,7 @@ class LiftedMap<T>::Steps {
   void kick(const Place& x, double h) const;
   void drift(const Place& x, double h) const;
   StepStatus lift(const Place& x, double t, double h, Work& work);
-  // Of the point y the lifted motion, and of the row c the product with the inverse of its derivative.
+  // Each of these moves the point y by the lifted motion, and multiplies the row c by the inverse of its derivative.
   void exactly(const T* y, const T* c, T* onto, T* turned, double h);
   StepStatus by_midpoint(T* y, T* c, double t, double h, Work& work);
   StepStatus by_extrapolation(T* y, T* c, double t, double h, Work& work);
@@ -107,7 +107,7 @@ class LiftedMap<T>::Steps {
   Composition composition_;  ///< keeps the weights
   const Weights<double>* weights_;
   LiftMethod method_;
-  std::size_t rows_;  ///< of the extrapolation
+  std::size_t rows_;  ///< rows of the extrapolation's table
   std::vector<Exact> known_;
   std::vector<T> room_;
 };
@@ -232,8 +232,8 @@ void LiftedMap<T>::Steps::exactly(const T* y, const T* c, T* onto, T* turned, do
   }
 }
 
-/// Once for each length of a stage. What is small beside 1 is kept apart from it: a rotation by the same rounded
-/// matrix, a million times, would grow or shrink a million times.
+/// Computes the exact motion once for each length of a stage. Matrices are kept less the unit matrix, so that small
+/// entries keep their digits: a rotation by the same rounded matrix would grow or shrink at every step.
 template <class T>
 auto LiftedMap<T>::Steps::exact_for(double h) -> const Exact& {
   constexpr std::size_t most_known = 64;
@@ -282,7 +282,7 @@ StepStatus LiftedMap<T>::Steps::by_midpoint(T* y, T* c, double t, double h, Work
       for (std::size_t j = 0; j < m; ++j) matrix[i * m + j] = T(i == j ? 1 : 0) - half * jacobian[i * m + j];
     }
     solve_in_place(m, matrix, change);
-    // Each component is known to a rounding of itself and of what its rate is a sum of.
+    // Each component is accurate to the rounding of itself and of the terms of its rate.
     double changed = 0;
     for (std::size_t i = 0; i < m; ++i) {
       k[i] = k[i] + change[i];
@@ -311,15 +311,16 @@ StepStatus LiftedMap<T>::Steps::by_midpoint(T* y, T* c, double t, double h, Work
 }
 
 /// The explicit midpoint rule in 2, 4, 6, … parts, whose error is a series in their squared length: as many of its
-/// terms as there are rows are taken away. The derivative goes through the same operations. Source: Hairer, Nørsett,
-/// Wanner, Solving Ordinary Differential Equations I, 1993, II.9.
+/// terms are eliminated as the table has rows. The derivative goes through the same operations. Source: Hairer,
+/// Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.9.
 template <class T>
 StepStatus LiftedMap<T>::Steps::by_extrapolation(T* y, T* c, double t, double h, Work& work) {
   const std::size_t m = lift_->width, point = lift_->variables, whole = m + m * m;
   T *const at = room(2 * point), *jets = room(4 * point), *left = jets + whole,
            *here = left + whole, *const all = here + whole, *const first = all + whole;
   std::copy_n(y, point, at);
-  /// From `left` on over a time of `length` with the slope at a place whose derivative is D; null: 1.
+  /// Moves `left` over a time of `length` by the rates in `jets`, at a point whose derivative is d; null: the unit
+  /// matrix.
   const auto move = [&](double length, const T* d) {
     for (std::size_t i = 0; i < m; ++i) {
       left[i] = left[i] + length * jets[i];
@@ -364,7 +365,7 @@ StepStatus LiftedMap<T>::Steps::by_extrapolation(T* y, T* c, double t, double h,
     for (std::size_t i = 0; i < whole; ++i) all[i] = all[i] + weight * here[i];
   }
   std::copy_n(all, m, y);
-  T* const turned = jets;  // the derivative, its columns as rows
+  T* const turned = jets;  // the transposed derivative
   for (std::size_t i = 0; i < m; ++i)
     for (std::size_t j = 0; j < m; ++j) turned[i * m + j] = all[m + j * m + i];
   solve_in_place(m, turned, c);

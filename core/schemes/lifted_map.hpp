@@ -1,5 +1,5 @@
-// A step of lifted_splitting on a scene whose size is known when it runs, on components that stand where its caller has
-// them. Compiled once, for numbers with and without a slope: core/schemes/lifted_map.cpp.
+// LiftedMap takes steps of lifted_splitting on a scene whose size is known at run time, in place on its caller's
+// components. It is compiled once, for numbers with and without a slope (core/schemes/lifted_map.cpp).
 #pragma once
 
 #include <array>
@@ -25,22 +25,22 @@ enum class LiftMethod : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 4> lift_names{"automatic", "exact", "midpoint", "extrapolation"};
 
-/// Strang's splitting of S and the lift, composed. A value; copies share what does not depend on a state and room for
-/// what a step writes down on its way, so that they belong to one thread.
+/// Strang's splitting of S and the lift, composed. Copies share scratch memory and what does not depend on a state, so
+/// all of them belong to one thread.
 template <class T>
 class LiftedMap {
  public:
   /// Without a lift no step succeeds.
   LiftedMap(std::shared_ptr<const text::Lift> lift, const Composition& composition, LiftMethod method);
 
-  /// n coordinates and momenta; s where the motion reads it, else null; ∇V and V at that place and time, n + 1 numbers
-  /// that `begin` writes and steps keep.
+  /// Place points to a state: n coordinates and momenta; s, or null where the motion does not read it; and ∇V and V at
+  /// that place and time, n + 1 numbers that `begin` writes and steps update.
   struct Place {
     T *q, *p, *s, *slope;
   };
   void begin(const T* q, double t, T* slope);
-  /// From the time t on. One that fails leaves the state somewhere on its way. Singular: the lifted motion turns the
-  /// contact elements over, so that p has a pole.
+  /// Moves x by a step of the length h from the time t. A step that fails leaves an intermediate state. It is singular
+  /// where the lifted motion turns the contact elements over, so that p has a pole.
   StepStatus step(const Place& x, double t, double h) noexcept;
   const Work& work() const { return work_; }
 

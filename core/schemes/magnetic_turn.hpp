@@ -9,8 +9,8 @@
 namespace least {
 
 namespace detail {
-/// Of half an angle whose square is x = (hβ/2)²: sin(hβ/2)/β, and its cosine. By their series near zero, where β has
-/// no derivative.
+/// Returns sin(hβ/2)/β and cos(hβ/2) for `square` = β²; near zero, where β has no derivative, by their series in x =
+/// (hβ/2)².
 template <class T>
 std::pair<T, T> half_rotation(const T& square, double h) {
   using least::cos;

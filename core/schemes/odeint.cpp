@@ -20,7 +20,8 @@
 namespace least::odeint {
 namespace {
 
-/// As many components as it is told: in a place of its own up to `most_in_place`, so that a step does not allocate.
+/// Components is a vector of a size known at run time. Up to `most_in_place` numbers are stored inside it, so that a
+/// step does not allocate.
 struct Components {
   using value_type = double;
   using iterator = double*;
@@ -62,7 +63,7 @@ struct Components {
   std::vector<double> elsewhere_;  ///< all of them, where they are more
 };
 
-/// The largest of the first `moving` components. What is not a number is left out.
+/// Returns the largest size of the first `moving` components; NaN is ignored.
 template <class Vector>
 double largest(const Vector& y, std::size_t moving) {
   double most = 0;
@@ -113,7 +114,7 @@ namespace {
 template <class Pair>
 auto controlled(double tolerance) {
   using Controlled = library::controlled_runge_kutta<Pair>;
-  static const Pair blank{};  // static: its scratch is zero, and copies of it are of something
+  static const Pair blank{};  // static, so that its scratch is zero and copies read initialized numbers
   return Controlled(typename Controlled::error_checker_type(tolerance, tolerance), {}, blank);
 }
 
@@ -131,8 +132,8 @@ auto make_stepper(double tolerance) {
   } else {
     // With dense output (bulirsch_stoer_dense_out) a step takes ten to twenty times as long, and what it interpolates
     // is off by up to a thousand tolerances: a step to the time that is wanted is cheaper and better. Its estimate
-    // compares two extrapolations of a step: what decays fast is amplified by both alike and stays about as it is,
-    // twenty times as large as what is seen of it. Where that matters less is allowed.
+    // compares two extrapolations of a step; both amplify the error of fast decaying components alike, which so is
+    // twenty times as large as the estimate. The careful stepper therefore allows less.
     using Extrapolated = library::bulirsch_stoer<Y, double, Y, double, Algebra>;
     constexpr double less = 0.1, least = 1e-14;
     const double allowed = std::min(tolerance, std::max(less * tolerance, least));
@@ -174,7 +175,7 @@ class Adaptive final : public Integrator {
   StepStatus reach(const Field& field, double* y, double& t, double end) noexcept override {
     if (end == t) return StepStatus::ok;
     const StepStatus status = parts(field, y, t, end);
-    if (step_ > 0) stepper_.initialize(vector(y), t, step_);  // parts say nothing of what comes next
+    if (step_ > 0) stepper_.initialize(vector(y), t, step_);  // the steps of parts propose nothing for the next step
     dense_ = false;
     return status;
   }
@@ -196,8 +197,8 @@ class Adaptive final : public Integrator {
 
  private:
   static constexpr int most_trials = 500, most_parts = 10'000;
-  /// Steps that come to what is not finite and have to be shortened, in a stretch where three in four do: the motion
-  /// has come to the edge of where its rates are defined and does not leave it.
+  /// Steps that were shortened because values were not finite, in a stretch where three in four are. After so many, the
+  /// motion has come to the edge of where its rates are defined and does not leave it.
   static constexpr int most_undefined = 300;
 
   Vector vector(const double* y) const {
@@ -229,9 +230,9 @@ class Adaptive final : public Integrator {
     return StepStatus::solver_failed;
   }
 
-  /// One accepted step from (t, start), where the stepper stands. Odeint's measure of an error leaves out what is not a
-  /// number, so that such a step is accepted: it is undone here and tried again at a fifth of its length. In line
-  /// twice, it would take twice as long to compile.
+  /// Takes one accepted step from (t, from), where the stepper is. Odeint's measure of an error ignores NaN, so it
+  /// accepts a step to values that are not finite; that step is undone here and tried again at a fifth of its length.
+  /// Inlined in two places, the function would take twice as long to compile.
   [[gnu::noinline]] StepStatus attempt(const Field& field, const Vector& from, double* y, double& t) noexcept {
     const Vector start = from;     // NOLINT(performance-unnecessary-copy-initialization): y may be its place
     const Vector* rate = nullptr;  // the last one evaluated: that at the end of the step
@@ -241,7 +242,7 @@ class Adaptive final : public Integrator {
       field.rate(field.problem, time, x.data(), dx.data());
       rate = &dx;
     };
-    bool undefined = false;  // a trial came to what is not finite
+    bool undefined = false;  // a trial gave values that are not finite
     try {
       for (int trial = 0; trial < most_trials; ++trial) {
         const double h = stepper_.current_time_step();
@@ -274,7 +275,7 @@ class Adaptive final : public Integrator {
     return StepStatus::singular;
   }
 
-  /// How much of a step resolves the steep functions of the field, or somewhat less.
+  /// Returns how much of a step resolves the steep functions of the field, or somewhat less.
   double resolved_part(const Field& field, const Vector& from, double t, const Vector& to, const Vector& last_rate,
                        double end) {
     if (!field.steep) return end - t;

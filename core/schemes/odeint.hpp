@@ -29,11 +29,11 @@ enum class Method : std::uint8_t { dormand_prince_5, fehlberg_78, bulirsch_stoer
 /// Whether the method can say where the motion was within its last step, at no evaluation.
 constexpr bool has_dense(Method method) { return method == Method::dormand_prince_5; }
 
-/// ẏ = f(t, y) of a problem whose type is forgotten.
+/// Field is ẏ = f(t, y) of a problem of any type.
 struct Field {
   void (*rate)(const void* problem, double t, const double* y, double* rate);
   const void* problem;
-  const tape::SteepForces* steep = nullptr;  ///< what may hide between stages; none: nothing
+  const tape::SteepForces* steep = nullptr;  ///< what may hide between stages; null: nothing
   void (*complete)(const void* problem, double t, double* variables) = nullptr;  ///< as in tape::SteepStep
 };
 
@@ -42,22 +42,22 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
   virtual std::unique_ptr<Integrator> clone() const = 0;
-  /// One accepted step from (t, y); trials that are refused, or come to what is not finite, are repeated shorter. Where
-  /// it fails, y and t stay. singular: trials of every length come to what is not finite, or those of hundreds of steps
-  /// did; underflow: t + h = t.
+  /// Takes one accepted step from (t, y); trials that are refused or give values that are not finite are repeated with
+  /// shorter steps. A failure leaves y and t unchanged: singular if trials of every length, or those of hundreds of
+  /// steps, gave values that are not finite; underflow if t + h = t.
   virtual StepStatus step(const Field& field, double* y, double& t) noexcept = 0;
-  /// Steps from (t, y) to the time `end`, not before t, the first of them the whole way if its error allows.
+  /// Takes steps from (t, y) to the time `end` ≥ t; the first goes all the way if its error allows.
   virtual StepStatus reach(const Field& field, double* y, double& t, double end) noexcept = 0;
-  /// y at the time t within the last step. False where there is no saying: no step yet, one failed since, no dense
-  /// output.
+  /// Writes the state at the time t within the last step to y. Returns false where no step was taken, the last one
+  /// failed, or the method has no dense output.
   virtual bool between(double t, double* y) const noexcept = 0;
   virtual const Work& work() const noexcept = 0;
 };
 
-/// For `count` components of which the first `moving` are the motion.
+/// Makes the integrator of a method for `count` components, of which the first `moving` are the motion.
 std::unique_ptr<Integrator> make_integrator(Method method, std::size_t count, std::size_t moving, double tolerance);
 
-/// States that are doubles at heart: plain, or with a tangent direction.
+/// States whose numbers are doubles, plain or with one tangent direction.
 template <class X>
 concept Flat = std::is_same_v<typename X::Time, double> &&(std::is_same_v<typename X::Number, double> || Sloped<X>);
 template <Flat X>
@@ -81,7 +81,7 @@ std::shared_ptr<const tape::SteepForces> steep_forces(const P& problem) {
       std::shared_ptr<const tape::SteepForces> found;
     };
     thread_local std::optional<Left> left;
-    // For padding it may only miss. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+    // Different padding only causes a miss. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     if (!left || std::memcmp(&left->problem, &problem, sizeof(P)) != 0) left = Left{problem, look()};
     return left->found;
   } else {
@@ -89,7 +89,7 @@ std::shared_ptr<const tape::SteepForces> steep_forces(const P& problem) {
   }
 }
 
-/// Any of the methods on a problem.
+/// AnyOdeintStepper steps a problem by any of the methods.
 template <VectorField P, odeint::Flat X>
 class AnyOdeintStepper {
  public:
@@ -114,12 +114,12 @@ class AnyOdeintStepper {
   StepStatus step(X& x) noexcept {
     return moved(x, [&](double* y, double& t) { return integrator_->step(field(), y, t); });
   }
-  /// x moved to the time t, which lies within one step from x, by a step that ends there: as accurate as steps are.
+  /// Moves x to the time t, which lies within one step from x, by a step that ends there: as accurate as other steps.
   StepStatus reach(X& x, double t) noexcept {
     return moved(x, [&](double* y, double& now) { return integrator_->reach(field(), y, now, t); });
   }
-  /// x set to the state at t, which lies within the last step; false where a step failed since, or the method cannot:
-  /// `reach` from its start.
+  /// Sets x to the state at t, which lies within the last step. Returns false where a step failed since, or where the
+  /// method has no dense output: then `reach` gives the state from the start of the step.
   bool interpolate(X& x, double t) const noexcept {
     std::array<double, size> y;
     if (!integrator_->between(t, y.data())) return false;
@@ -176,7 +176,7 @@ class AnyOdeintStepper {
   std::unique_ptr<odeint::Integrator> integrator_;
 };
 
-/// One of them.
+/// OdeintStepper steps a problem by the method M.
 template <VectorField P, odeint::Flat X, odeint::Method M>
 class OdeintStepper : public AnyOdeintStepper<P, X> {
  public:
@@ -184,7 +184,7 @@ class OdeintStepper : public AnyOdeintStepper<P, X> {
   OdeintStepper(const P& problem, double tolerance) : AnyOdeintStepper<P, X>(problem, M, tolerance) {}
 };
 
-/// Any of them as a scheme: what a run is compiled with, once for the three.
+/// Any of the three methods as a scheme, for which runs are compiled once.
 struct AnyOdeintScheme {
   odeint::Method method = odeint::Method::dormand_prince_5;
   double tolerance = 1e-8;
@@ -202,8 +202,8 @@ constexpr Field<C> tolerance_field() {
           &C::tolerance, {1e-15, 1e-1, true, false}};
 }
 
-// Their steps take x.t as the time itself, not as what they add to: `reads_time`. The energy level is of no use to
-// them, and a flow that has none leaves it out.
+// `reads_time`: steps read x.t as the time itself, and do not only add to it. `asks_no_level`: steps do not need the
+// energy level, which a flow does not have.
 
 struct DormandPrince5 {
   double tolerance = 1e-8;

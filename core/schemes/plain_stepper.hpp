@@ -1,5 +1,5 @@
-// Steps of Boost.Odeint's schemes that have error control and no dense output, where they can be trusted, and careful
-// ones where they cannot.
+// Plain takes steps by Boost.Odeint's schemes with error control and without dense output, and more careful steps where
+// their error estimates cannot be trusted.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,9 @@ namespace least::odeint {
 
 namespace library = boost::numeric::odeint;
 
-/// A stepper with error control and no dense output, with the calls of those that have it. The rate at the end of a
-/// step is the next one's. `Check` has a second look at the steps that the stepper's own estimate accepts. Where that
-/// estimate is not to be trusted another stepper takes over, a careful one: see `rough` and `stiff`.
+/// Plain gives a controlled stepper the interface of Odeint's dense-output steppers. The rate at the end of a step
+/// serves at the start of the next one. `Check` examines steps again that the stepper's own estimate accepts. Where
+/// that estimate cannot be trusted (`rough`, `stiff`), the stepper `careful` takes over.
 template <class Stepper, class Check, class Vector>
 class Plain {
  public:
@@ -43,7 +43,7 @@ class Plain {
       const double tried = h_;
       Stepper& stepper = rough(tried, first) || stiff() ? careful_ : stepper_;
       if (stepper.try_step(seen, y_, rate_, t_, next_, h_) == library::fail) {
-        if (!(h_ < tried)) {  // an error that is no number shortens nothing
+        if (!(h_ < tried)) {  // an error that is NaN does not shorten the step
           h_ = 0.2 * tried;
           undefined_ = true;
         }
@@ -71,18 +71,18 @@ class Plain {
   const Vector& current_state() const { return y_; }
   double current_time() const { return t_; }
   double current_time_step() const { return h_; }
-  /// Whether a trial of the last step came to what is not finite.
+  /// Whether a trial of the last step gave values that are not finite.
   bool met_undefined() const { return undefined_; }
 
  private:
-  /// A step far shorter than others were, or than it was to be, crosses something sharp. Over a pole the error, as an
-  /// estimate sees it, changes its sign with the length of the step, so that one passes by chance: after one that was
-  /// refused it is believed where a shorter one passes, too, and that one is taken.
+  /// Whether a step is far shorter than earlier steps, or than it was first tried, because it crosses something sharp.
+  /// Over a pole the estimated error changes its sign with the length of the step, so that some length passes by
+  /// chance: after a refusal, a rough step is believed only if a shorter one passes, too, which is then taken.
   bool rough(double h, double first) const {
     constexpr double share = 0.05, refused = 0.1;
     return h < share * longest_ || h < refused * first;
   }
-  /// Steps that go on being refused, one in three, are kept short by what the motion damps and not by what it does.
+  /// Whether one step in three goes on being refused: then fast decaying components, not the motion, keep steps short.
   bool stiff() const {
     constexpr double many = 50;
     return refusals_ > many;
@@ -93,8 +93,8 @@ class Plain {
   Check check_;
   Vector y_{}, rate_{}, next_{};
   double t_ = 0, h_ = 0;
-  double longest_ = 0;   ///< of the steps until now
-  double refusals_ = 0;  ///< of steps, beyond those of a smooth motion
+  double longest_ = 0;   ///< longest step so far
+  double refusals_ = 0;  ///< refused steps, beyond those of a smooth motion
   bool rated_ = false, undefined_ = false;
 };
 

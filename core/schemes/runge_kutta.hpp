@@ -37,7 +37,7 @@ class ExplicitRungeKutta {
     return StepStatus::ok;
   }
   const Work& work() const { return work_; }
-  /// Nothing else belongs to the state: who moves a lane moves nothing with it.
+  /// The stepper keeps nothing of the state: a lane that moves to another stepper takes nothing along.
   template <class F>
   void each_kept(F&&) {}
 

@@ -62,8 +62,8 @@ requires(Separable<P> || LinearSeparableContact<P>) class SimpsonStepper {
   }
   const Work& work() const { return work_; }
 
-  /// E_d of the step from x: the mean of K + V over the nodes, with s that of v·L_v − L over the stages; not a number
-  /// where there is none.
+  /// E_d of the step from x: the mean of K + V over the nodes, with s that of v·L_v − L over the stages; NaN where the
+  /// step fails.
   T energy(const X& x, const S& h) noexcept requires(X::acting || Separable<P>) {
     Path path;
     if (solve(x, h, path) != StepStatus::ok) return T(std::numeric_limits<double>::quiet_NaN());

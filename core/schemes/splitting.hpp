@@ -46,7 +46,7 @@ class KickDrift {
   using T = typename X::Number;
   using S = typename X::Time;
 
-  /// The sequence outlives the stepper, which is copied often.
+  /// The sequence has to outlive the stepper, which is copied often and so refers to it.
   KickDrift(const P& problem, const X& x, const Sequence<S>& sequence) : problem_(problem), sequence_(&sequence) {
     slope_ = gradient(problem_, x.q, phase(problem_, x.t));
     ++work_.forces;
@@ -56,7 +56,7 @@ class KickDrift {
   StatusOf<T> step(X& x, const S& h) noexcept {
     kick(x, h * sequence_->kick[0]);
     std::size_t i = 0;
-    do {  // there is one drift at least, so that what a driver asks of the end shares the work of the last force
+    do {  // there is at least one drift: what a driver computes at the end can then share the work of the last force
       drift(x, h * sequence_->drift[i]);
       slope_ = gradient(problem_, x.q, phase(problem_, x.t + h * sequence_->node[i]));
       ++work_.forces;
@@ -65,7 +65,7 @@ class KickDrift {
     return StepStatus::ok;
   }
   const Work& work() const { return work_; }
-  /// f of each number that belongs to the state: who moves a lane moves them with it.
+  /// Calls f with each number kept that belongs to the state; a lane that moves to another stepper takes these along.
   template <class F>
   void each_kept(F&& f) {
     for (T& component : slope_) f(component);
@@ -91,7 +91,7 @@ class KickDrift {
     }
   }
 
-  /// Where what it is is only known when it runs, it is looked up once.
+  /// The inverse mass, looked up once where it is known at run time only.
   struct Mass {
     Vec<P::dof> inverse;
     bool full;
@@ -105,8 +105,8 @@ class KickDrift {
   Work work_;
 };
 
-/// E_d of a step of length h of the trapezoidal rule from a to b: the momentum ḡv of its drift is what half a kick
-/// makes of p₀, and undoes to p₁.
+/// E_d of a step of length h of the trapezoidal rule from a to b: the momentum ḡv of its drift is p₀ after half a kick,
+/// and p₁ before the other half.
 template <Separable P, class X>
 typename X::Number trapezoid_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) {
   using T = typename X::Number;

@@ -18,8 +18,9 @@ using tape::Program;
 constexpr int most_chosen = 40;
 constexpr double underflows = 1e-290, far_from_any = 1e-200;  // coefficients
 
-/// What a step of the order p costs, about, in nanoseconds, of a program that is unrolled: measured where a leapfrog
-/// step of Kepler's problem takes 14. Those that are read take longer, at much the same best order.
+/// Estimates the cost of a step of the order p in nanoseconds, for an unrolled program and a machine on which a
+/// leapfrog step of Kepler's problem takes 14. Interpreted programs take longer, but their best order is about the
+/// same.
 double cost(const Program::Effort& effort, double p) {
   const auto steps = static_cast<double>(effort.steps), fours = static_cast<double>(effort.fours);
   return 68 + 14 * static_cast<double>(effort.dear) + p * (4.5 + 0.3 * steps + 0.045 * fours * p);
@@ -35,13 +36,13 @@ double log_factorial(int n) {
   return all[static_cast<std::size_t>(n)];
 }
 
-/// Jorba and Zou's argument with that cost: a step is ρ ε^{1/p} long where the series converges up to ρ, (ε p!)^{1/p}
-/// where it converges everywhere. There its terms first grow, to eʰ, and what rounding takes from them has to stay
-/// below the tolerance.
+/// Returns the order with the cheapest steps per unit of time, by Jorba and Zou's argument with that cost: a step is ρ
+/// ε^{1/p} long where the series converges up to ρ, and (ε p!)^{1/p} where it converges everywhere. In the latter case
+/// its terms first grow, to eʰ, and their rounding errors have to stay below the tolerance.
 int cheapest_order(const Program& program, double tolerance) {
-  // Of few terms the first are no sign yet of how far a series converges, and steps are shorter than they may be.
+  // The first few terms do not show yet how far a series converges: steps would be shorter than necessary.
   const int least_chosen = program.whole ? 4 : 14;
-  // What the last terms may be; where rounding comes near, longer steps of higher orders would lose digits to it.
+  // The size that the last terms may have; near that of rounding, longer steps of higher orders would lose digits.
   const double least = std::max(Expansion::allowed * tolerance, std::min(tolerance, 0x1p-47));
   const double digits = -std::log(least), longest = std::log(std::max(1.5, std::log(0x1p53 * tolerance)));
   const auto length = [&](int p) { return ((program.whole ? log_factorial(p) : 0) - digits) / p; };
@@ -64,7 +65,7 @@ int cheapest_order(const Program& program, double tolerance) {
   return best;
 }
 
-/// Components side by side.
+/// N components side by side in a register.
 template <std::size_t N>
 struct Side {
   typedef double Lane __attribute__((vector_size(8 * N)));
@@ -72,15 +73,15 @@ struct Side {
   static void write(const Lane& lane, double* to) { std::memcpy(to, &lane, sizeof(lane)); }
 };
 
-/// Polynomials of the components, from their coefficients of order 1 at `first`, of the next `stride` behind.
+/// The polynomials of the components: coefficients of order 1 are at `first`, those of the next orders `stride` apart.
 struct Polynomials {
   const double* first;
   std::size_t stride;
   int order;
   double h, square, fourth;
 
-  /// The change of N components by h is added to y, with what rounding has kept from it. From fours of terms, which do
-  /// not wait for each other.
+  /// Writes y plus its change in the time h, for N components, to `end`, and the rounding error of the result to
+  /// `rest`; `low` is the one that y carries. Terms are summed by fours, which do not wait for each other.
   template <std::size_t N>
   [[gnu::always_inline]] inline void add(std::size_t begin, const double* y, const double* low, double* end,
                                          double* rest) const {
@@ -110,7 +111,7 @@ struct Polynomials {
     }
     compensate<N>(sum, y + begin, low + begin, end + begin, rest + begin);
   }
-  /// The same of one component, where powers of h may not be finite.
+  /// The same for one component, without powers of h, which might overflow.
   void add_far(std::size_t i, const double* y, const double* low, double* end, double* rest) const {
     Side<1>::Lane sum{};
     for (int k = order; k > 0; --k) sum = (sum + first[i + static_cast<std::size_t>(k - 1) * stride]) * h;
@@ -118,7 +119,7 @@ struct Polynomials {
   }
 
  private:
-  /// Written in one piece: what is written one by one cannot be handed on.
+  /// Stores whole registers: a processor cannot forward single stores to a wide load.
   template <std::size_t N>
   [[gnu::always_inline]] static inline void compensate(const typename Side<N>::Lane& sum, const double* y,
                                                        const double* low, double* end, double* rest) {
@@ -130,9 +131,9 @@ struct Polynomials {
     Side<N>::write((start - (to - back)) + (change - back), rest);
   }
 };
-constexpr double most_raised = 0x1p21;  // of which powers of any order are finite
+constexpr double most_raised = 0x1p21;  // times of which the powers of all orders are finite
 
-/// Of a series and its program, about, in bytes, at the highest order that is chosen.
+/// Estimates the bytes of a series and its program, at the highest order that may be chosen.
 std::size_t bytes_of(const Program& program, int order) {
   const auto orders = static_cast<std::size_t>(std::max(order, most_chosen)) + 1;
   const std::size_t rows = static_cast<std::size_t>(program.rows), slots = program.low.size();
@@ -140,8 +141,8 @@ std::size_t bytes_of(const Program& program, int order) {
          sizeof(Program::Value) * program.values.size() + 2 * sizeof(Program::Product) * program.products.size();
 }
 
-/// Where an argument of a steep power or a branch value is asked for, the program is read: only then every value stands
-/// at every order.
+/// Makes the series. A program with steep powers or branch values is interpreted, because only then all values are
+/// known at every order.
 tape::Series series_of(Program program, double tolerance, int order, bool all_values = false) {
   const int chosen = order > 0 ? order : cheapest_order(program, tolerance);
   const bool unroll =
@@ -192,7 +193,7 @@ void Expansion::move(const double* y, double t) {
   t_ = t;
   if (!program().switches.empty() && leave_border(y)) series_.expand(y, t);
   bool bounded = false;
-  if (!std::isfinite(size(series_.order())) && !program().steep.empty()) {  // one that overflows may be in a divisor
+  if (!std::isfinite(size(series_.order())) && !program().steep.empty()) {  // they may overflow in a divisor
     series_.expand(y, t, true);
     bounded = std::isfinite(size(series_.order()));
     if (!bounded) series_.expand(y, t);
@@ -204,14 +205,15 @@ void Expansion::move(const double* y, double t) {
   if (!bounded && series_.divides() && used_ > 0) look_closer(y);
 }
 
-/// Where rates have few digits, or something that is divided by may vanish within the step that the series seems to
-/// allow, coefficients may be those of rounding: then they are computed to more digits, and told as far as these do.
+/// Where rates have few correct digits, or a divisor may vanish within the step that the series seems to allow,
+/// coefficients may be rounding errors: then they are computed in double-double, and told_ is how far these are
+/// accurate.
 void Expansion::look_closer(const double* y) {
   const double h = length_by_series(), reach = series_.reach(used_, h), blur = series_.blur();
-  const auto far = [&](double part) {  // to where the last coefficient, by rounding alone, is a part of that times
+  const auto far = [&](double part) {  // the h at which `part` · blur · h (h/reach)^used_ comes to may_be_off()
     return std::exp((std::log(may_be_off() / blur / part) + used_ * std::log(reach)) / (used_ + 1));
   };
-  // It is no number where something overflows.
+  // The rounding error is not finite where something overflows.
   if (!std::isfinite(blur) || (blur * h <= may_be_off() && h <= far(1) && until_pole(h) == h)) return;
   constexpr double closer = 0x1p-53;
   series_.expand_closely(y, t_);
@@ -220,7 +222,7 @@ void Expansion::look_closer(const double* y) {
   blur_ = closer * blur;
   told_ = std::max(far(closer), 0.5 * reach);
 }
-/// What a step may be off in any case.
+/// Returns the error that a step may have in any case.
 double Expansion::may_be_off() const {
   constexpr double rounding = 0x1p-45;  // of some hundred operations
   return std::max(allowed * tolerance_, rounding) * std::max(1.0, largest(0));
@@ -230,11 +232,11 @@ void Expansion::find_used() {
   used_ = series_.order();
   const double last = size(used_);
   if (!std::isfinite(last)) [[unlikely]] {
-    used_ = 0;  // near a singularity high orders overflow before low ones mean nothing
+    used_ = 0;  // near a singularity, high orders overflow while low ones are still useful
     while (std::isfinite(size(used_ + 1))) ++used_;
   } else if (!(last > underflows)) [[unlikely]] {
-    // Where the unit of time is short beside the motion, high orders underflow before low ones mean nothing. Of a
-    // polynomial the last one that is not zero is no such number.
+    // Where the unit of time is short compared with the motion, high orders underflow while low ones are still useful.
+    // The last nonzero order of a polynomial is not that small.
     int told = used_;
     while (told > 0 && !(largest(told) > underflows)) --told;
     if (told > 0 && largest(told) < far_from_any) used_ = told;

@@ -2,16 +2,16 @@
 // tape (core/tape). Of any order, so that a step is as long as the series converges well: a third of the way to the
 // nearest singularity, in complex time, at twelve digits. Sets its own clock, reads the time, keeps no structure:
 // energy drifts at a rate that the tolerance sets. What a state carries beyond the motion, an action or a tangent
-// direction, has no say in the steps: asking for more never changes a run. Where its own series, as that of an action
-// of twice the frequency, is not good for all of a step, it is begun anew on the way, beside that of the motion. A step
-// costs one pass over the tape per order; by convention it counts as many force evaluations as its order. The state
-// within a step is the polynomial itself. Sums over steps are compensated. Velocities of a Lagrangian that is not
-// quadratic in them have series of their own within a step, and are found anew from the momenta where it begins. The
-// tape is recorded when a run begins, by the problem with its parameters: choices, whole exponents and what is zero
-// leave it shorter; that takes a few microseconds, so that a thread keeps what the last two of a problem have made of
-// it, for the next with the same parameters. One engine runs all tapes, so that a problem costs its recording and
-// nothing else to compile. Sources: Jorba & Zou, Experimental Mathematics 14, 99 (2005); Corliss & Chang, ACM Trans.
-// Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614 (2021).
+// direction, has no say in the steps: asking for more never changes a run. Where the series of what is carried, such as
+// an action of twice the frequency, is not accurate for all of a step, it is begun anew within the step, beside that of
+// the motion. A step costs one pass over the tape per order; by convention it counts as many force evaluations as its
+// order. The state within a step is the polynomial itself. Sums over steps are compensated. Velocities of a Lagrangian
+// that is not quadratic in them have series of their own within a step, and are found anew from the momenta where it
+// begins. The tape is recorded when a run begins, with the parameters of the problem as numbers, so that choices, whole
+// exponents and zero terms make it shorter. Recording takes a few microseconds, so a thread keeps the expansions of the
+// last two runs of a type of problem for runs with the same parameters. One interpreter runs all tapes, so a problem
+// costs nothing but its recording to compile. Sources: Jorba & Zou, Experimental Mathematics 14, 99 (2005); Corliss &
+// Chang, ACM Trans. Math. Softw. 8, 114 (1982); Biscani & Izzo, MNRAS 504, 2614 (2021).
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace least {
 
 namespace taylor {
 
-/// States that are doubles at heart: plain, or with a tangent direction.
+/// States whose numbers are doubles, plain or with one tangent direction.
 template <class X>
 concept Flat = std::is_same_v<typename X::Time, double> &&(std::is_same_v<typename X::Number, double> || Sloped<X>);
 template <Flat X>
@@ -47,7 +47,8 @@ constexpr auto& component(X& x, std::size_t i) {
   }
 }
 
-/// The equations of motion of a problem, on states like X, written on a tape: the rates of its variables.
+/// Writes the equations of motion of a problem, for states like X, on a tape. Returns the nodes of the rates, in the
+/// order of `component`.
 template <class X, VectorField P>
 constexpr std::array<tape::Index, components<X>> write_equations(const P& problem, tape::Tape& tape) {
   std::array<tape::Index, components<X>> rates;
@@ -59,7 +60,7 @@ constexpr std::array<tape::Index, components<X>> write_equations(const P& proble
   for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = component(rate, i).on(tape);
   return rates;
 }
-/// A state without tangent direction.
+/// The numbers of a state without tangent direction.
 template <class X>
 auto values_of(const X& x) {
   std::array<typename X::Number, X::size> y;
@@ -76,11 +77,12 @@ tape::Program record(const P& problem) {
 template <class X, VectorField P>
 std::shared_ptr<Expansion> expand(const P& problem, tape::Program program, double tolerance, int order) {
   auto made = std::make_shared<Expansion>(std::move(program), tolerance, order);
-  if constexpr (ConstantDamping<P>) made->limit(problem.damping());  // of s, also where (q, p) is at rest
+  if constexpr (ConstantDamping<P>) made->limit(problem.damping());  // at which s decays, even where (q, p) is at rest
   return made;
 }
-/// For steps of one run: one that the thread's last runs of this type of problem have left or still use, where that is
-/// of the same parameters, its program at least, where only the tolerance or the order is another.
+/// Returns the expansion for the steps of a run. The thread keeps those of its last two runs of this type of problem:
+/// one with the same parameters, tolerance and order is shared; of one with other tolerance or order, the program is
+/// copied.
 template <class X, VectorField P>
 std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int order) {
   if constexpr (std::is_trivially_copyable_v<P>) {
@@ -94,7 +96,7 @@ std::shared_ptr<Expansion> expansion_of(const P& problem, double tolerance, int 
     thread_local std::size_t oldest = 0;
     const tape::Program* program = nullptr;
     for (const Left& left : all) {
-      // For padding it may only miss. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+      // Different padding only causes a miss. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
       if (!left.expansion || std::memcmp(&left.problem, &problem, sizeof(P)) != 0) continue;
       if (left.tolerance == tolerance && left.order == order) return left.expansion;
       program = &left.expansion->program();

@@ -49,16 +49,16 @@ template <class X>
 X larger(const X& a, const X& b) {
   return a < b ? b : a;
 }
-/// The sizes of two components, of which only those of the motion have a say.
+/// Returns the sizes of two components; the mask `kept` clears those beyond the motion.
 Two sizes(const double* c, const Bits& kept) {
   return std::bit_cast<Two>(std::bit_cast<Bits>(Two{tape::read_alone(c[0]), c[1]}) & kept);
 }
 
 constexpr std::int64_t long_step = whole_log2(20), longest_step = whole_log2(500);  // its square is finite
-constexpr double before_switch = 0.999;   // of a step that ends shortly behind one
+constexpr double before_switch = 0.999;   // part of a step that ends shortly behind a switch
 constexpr int looked_at = 8;              // orders
 constexpr double excess = 10;             // by how much their coefficients may exceed what the last two promise
-constexpr double far = 0.5, hush = 0.01;  // of the size of the state; of what those before the last ought to be
+constexpr double far = 0.5, hush = 0.01;  // parts of the state's size; of the size expected of earlier orders
 
 }  // namespace
 
@@ -108,7 +108,7 @@ double Expansion::step(double most) {
   return reads_time_ && h < most ? up_to_number(h) : h;
 }
 
-/// Shortens the step h for what a series does not tell of; whether something may be left in it.
+/// Shortens the step h for what a series does not show. Returns whether the step has to be checked all the same.
 bool Expansion::until_hidden(double& h) const {
   for (const Index value : program().branches) {  // not over a branch point, however smooth the polynomials look
     const double ahead = -series_.coefficient(value, 0) / series_.coefficient(value, 1);
@@ -117,15 +117,15 @@ bool Expansion::until_hidden(double& h) const {
   return until_steep(h) || program().conceals;
 }
 
-/// A step no longer than h that ends at a time that is a number, if there is one: where the time is read, what rounding
-/// takes from it counts, as close to a pole.
+/// Returns a step of at most h that ends at a time that is a double, if there is one: where equations read the time,
+/// its rounding matters, as close to a pole.
 double Expansion::up_to_number(double h) const {
   double end = t_ + h;
   if (end - t_ > h) end = std::nextafter(end, -std::numeric_limits<double>::infinity());
   return end > t_ ? end - t_ : h;
 }
 
-/// Shortens the step h until steep functions are resolved in it; whether the argument of any moves.
+/// Shortens the step h until steep functions are resolved in it. Returns whether the argument of any of them moves.
 bool Expansion::until_steep(double& h) const {
   bool moves = false;
   for (const tape::SteepArgument& steep : program().steep) {
@@ -148,23 +148,23 @@ bool Expansion::until_steep(double& h) const {
   return moves;
 }
 
-/// A force that sleeps, as t⁴⁰ or a pulse that is yet to come, leaves no trace in the series: its last terms vanish, or
-/// it hardly moves, or it seems good up to the end, or as far as one likes.
+/// Whether a dormant force, such as t⁴⁰ or a pulse that is yet to come, may leave no trace in the series: its last
+/// terms vanish, or it hardly moves, or it seems accurate up to the end or everywhere.
 bool Expansion::may_hide_what_comes(double h, double most) const {
   constexpr double little = 0.01;
   if (used_ == 0) return false;
   return series_.program().whole || !(h < most) || (largest(used_) == 0 && (used_ == 1 || largest(used_ - 1) == 0)) ||
          largest(1) * h < little * std::max(1.0, largest(0));
 }
-/// What the second derivative of a component is at most within the step.
+/// Returns a bound of the second derivative of component i within the step.
 double Expansion::turning(std::size_t i, double h) const {
   double sum = 0;
   for (int k = used_; k > 1; --k) sum = sum * h + k * (k - 1) * std::abs(series_.coefficients(k)[i]);
   return sum;
 }
 
-/// Whether the polynomials solve the equations at a few places within the step, to about the tolerance or to what the
-/// rounding of the time there makes of it, and arguments of steep functions are told by theirs.
+/// Whether, at a few places within the step, the polynomials solve the equations to about the tolerance, or to what the
+/// rounding of the time makes of it, and give the right arguments of steep functions.
 bool Expansion::solves(double h) {
   constexpr double slack = 100, grain = 1e-12, told = 0.5, part_told = 1e-3;
   const double most = std::max(1.0, largest(0)) * std::max(slack * tolerance_, grain);
@@ -244,8 +244,8 @@ double Expansion::series_step() const {
   }
   double h = rough_exp2(log_h);
   if (!series_.program().whole && h > 0) {
-    // Where these two happen to vanish, as on an axis of symmetry, those before them speak: cₖ ρᵏ is to be of one size,
-    // where ρ = h ε^{−1/p} is how far the series seems to converge.
+    // Where these two happen to vanish, as on an axis of symmetry, those before them decide: cₖ ρᵏ should be of one
+    // size, where ρ = h ε^{−1/p} is the apparent radius of convergence.
     const double inverse_root = used_ == series_.order() ? inverse_root_ : std::pow(tolerance_, -1.0 / used_);
     const double rho = h * inverse_root;  // of the order before the last:
     const double promised = cut ? scale * std::pow(rho, 1 - used_) : larger(last * rho, before * inverse_root);
@@ -269,7 +269,8 @@ double Expansion::series_step() const {
       look(used_ - 2);
     if (larger(above[0], above[1]) > excess * here)
       h = heeded(h, used_ - 2, std::max(1, low), excess * promised, rho, scale);
-    // A row that only begins to be something says nothing of how far it converges: then all of it is heeded.
+    // If the lowest orders looked at are negligible although the state moves far, those looked at say nothing of how
+    // far the series converges: then all lower orders are taken into account, too.
     const double little = hush * here;
     if (low > 1 && h * size_at(oldest + stride) > far * size) [[unlikely]]
       if (size_at(newest - (looked_at - 1) * stride) < little &&
@@ -279,8 +280,8 @@ double Expansion::series_step() const {
   return std::min(h, longest_);
 }
 
-/// No step leads over a place where the rates are infinite, whatever the last coefficients say. Of 1/(t − t*) times R
-/// each coefficient tells R: where many digits of it are 0, formulas are 0/0 there, and the motion goes on.
+/// Shortens the step so that it does not lead over a pole of the rates, whatever the last coefficients suggest. Each
+/// coefficient of R/(t − t*) determines R: where R is 0 to many digits, formulas are 0/0 there, and the motion goes on.
 double Expansion::until_pole(double h) const {
   constexpr double none = 1e-28;
   constexpr int last_orders = 3;

@@ -16,10 +16,10 @@ namespace least::taylor {
 
 using tape::Index;
 
-/// Where a motion begins on the border at which a formula changes, its state is of one side, whichever it goes to.
-/// Where that is the other one, the series becomes that of a state beside it, there, as near as rounding allows.
-/// Whether it has to be begun anew at y, because from there the motion goes back: it stays on the border. Where a
-/// thousand formulas change at once this takes seconds: it asks whether it is to go on (AskedByThread).
+/// Where a motion begins on the border at which a formula changes, the series is that of the side of values ≥ 0. If the
+/// motion goes to the other side, the series is replaced by that of a state across the border, as near as rounding
+/// allows. Returns true if the motion comes back from there: it stays on the border, and the series has to be expanded
+/// at y again. Where a thousand formulas change at once this takes seconds, so AskedByThread::goes_on() is asked.
 bool Expansion::leave_border(const double* y) {
   constexpr double near = 4 * std::numeric_limits<double>::epsilon(), next_to_0 = 1e-300, longer = 16, longest = 1e3;
   const auto heading = [&](Index value) {
@@ -41,7 +41,7 @@ bool Expansion::leave_border(const double* y) {
       (void)series_.defined(beside, t_);
       h *= longer;
     } while (h < longest && !(series_.value(value) < 0));
-    if (!(series_.value(value) < 0)) continue;  // the time alone leads over it
+    if (!(series_.value(value) < 0)) continue;  // the time alone leads over the border
     std::copy_n(beside, variables_, slopes_.data());
     series_.expand(slopes_.data(), t_);
     if (heading(value) > 0) return true;
@@ -49,9 +49,9 @@ bool Expansion::leave_border(const double* y) {
   return false;
 }
 
-/// From h on the first of ever longer steps, of which `longest` is the last, at whose end a value has left its side as
-/// rounded, too. Where a motion begins at rest on the border, or slowly beside it, the state stays the same for longer
-/// than the times can be told apart; until it changes, the formulas of either side lead to the same numbers.
+/// Returns the first of ever longer steps, from h up to `longest`, at whose end the rounded value has left its side,
+/// too (`before`: it was negative). Where a motion begins at rest on the border, or slowly beside it, the rounded state
+/// stays the same for a while; until it changes, the formulas of both sides give the same numbers.
 double Expansion::behind_switch(Index value, bool before, double h, double longest) {
   double *const state = way_.data(), *const low = slopes_.data(), *const rest = low + variables_;
   std::fill_n(low, variables_, 0.0);
@@ -64,8 +64,8 @@ double Expansion::behind_switch(Index value, bool before, double h, double longe
   return longest;
 }
 
-/// What formulas are chosen by may be faster than the motion, as sin(20t) is whose sign alone acts: then its own series
-/// is heeded, too.
+/// A value that chooses formulas may be faster than the motion, as sin(20t) of which the sign alone acts: so the
+/// accuracy of its own series bounds the step, too.
 std::optional<double> Expansion::until_switch(double& end) {
   std::array<double, tape::most_terms> terms{};
   std::optional<double> behind;

@@ -1,5 +1,5 @@
-// Schemes for scenes as text alone: whether one fits no type of problem says, it is found in the text when it is read.
-// Their positions come after those of core/schemes/list.hpp.
+// Schemes for scenes as text alone: no type of a problem tells whether such a scheme fits; that is found from the text
+// when it is read. Their positions come after those of core/schemes/list.hpp.
 #pragma once
 
 #include <tuple>

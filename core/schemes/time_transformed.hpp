@@ -32,7 +32,7 @@ template <Conservative P, class X>
 struct TransformedTime {
   using T = typename X::Number;
   using Constant = typename Underlying<T>::type;
-  /// What weights are made of; a number with lanes takes doubles.
+  /// The number type of weights: doubles where numbers have lanes.
   using S = std::conditional_t<std::numeric_limits<Constant>::is_specialized, Constant, double>;
 
   P problem;
@@ -65,7 +65,7 @@ class TransformedLeapfrog {
   T strain() const { return strain_ / strain_level_; }
   int stages() const { return time_.weights->stages; }
 
-  /// Moves q and p by the parameter σ, on or back; `time` is what that takes.
+  /// Moves q and p by the parameter σ, forward or back, and sets `time` to the time that takes.
   StepStatus move(X& state, const T& sigma, T& time, Work& work) {
     using least::abs;
     using least::all;
@@ -88,7 +88,7 @@ class TransformedLeapfrog {
       speed = time_.speed(x);
       level = level * speed;
       const T off = abs(square - level);
-      const auto more = off * strain_level_ > strain_ * level;  // a fraction: the divider has enough to do
+      const auto more = off * strain_level_ > strain_ * level;  // kept as a fraction, to spare a division
       strain_ = select(more, off, strain_);
       strain_level_ = select(more, level, strain_level_);
       sound = sound & (gap > T(0)) & near_level(square, level);  // keeps the speed positive
@@ -217,9 +217,10 @@ class TransformedMidpoint {
   T strain_ = T(0);
 };
 
-/// What κ = −E₀ has against σ on a Kepler orbit of this energy, in words; empty: nothing. There a stage of weight γ has
-/// (D/(K + κ))² = 1/(1 − z²), z = γσ√(2E₀)/2μ, at every kick, on ellipses with imaginary z: outside [¼, 4] it is
-/// refused before it would be found out. (From |z| = 1 on the stage of a hyperbola leads to its other branch.)
+/// Returns in words why κ = −E₀ forbids σ on a Kepler orbit of this energy; empty if it does not. There a stage of
+/// weight γ has (D/(K + κ))² = 1/(1 − z²), z = γσ√(2E₀)/2μ, at every kick, on ellipses with imaginary z: outside [¼, 4]
+/// σ is refused before the run, in which the steps would fail. (From |z| = 1 on the stage of a hyperbola leads to its
+/// other branch.)
 std::string kepler_objection(const Composition& composition, double sigma, double mu, double energy);
 
 struct TimeTransformed {

@@ -30,11 +30,11 @@
 
 namespace least {
 
-/// xᵏ⁻¹ of F(x) = xᵏ/k; k = −½ by a square root that the division does not wait for.
+/// PowerSlope computes F′(x) = xᵏ⁻¹ of F(x) = xᵏ/k; for k = −½ by a square root that runs beside the division.
 class PowerSlope {
  public:
   explicit PowerSlope(double k) : k_(k) {}
-  /// `factor` times that.
+  /// Returns factor · xᵏ⁻¹.
   template <class T>
   T operator()(const T& x, const T& factor = T(1)) const {
     using least::pow;
@@ -46,7 +46,7 @@ class PowerSlope {
   double k_;
 };
 
-/// The first N terms, N even, of what is 1 at 0, for small z.
+/// Series is the first N terms, N even, of a power series in z that is 1 at z = 0, for small z.
 template <class S, std::size_t N>
 class Series {
  public:
@@ -58,7 +58,7 @@ class Series {
   static Series exponential() {
     return Series([](const S&) { return S(1); });
   }
-  /// `factor` times that: in few operations one after the other, as steps wait for it.
+  /// Returns `factor` times the series, with a short chain of dependent operations, because steps wait for it.
   template <class T>
   T operator()(const T& z, const T& factor) const {
     const T z2 = z * z;
@@ -82,7 +82,7 @@ class Series {
 
 /// Why a step could not be taken.
 enum class TransformedFault : std::uint8_t { standstill, pole, kinetic, potential, level, unsolved };
-/// In words. `room`: A or B where it is not positive.
+/// Describes a fault in words. `room`: the number that failed, such as A or B where it is not positive.
 std::string words_of(TransformedFault fault, double kappa, double room);
 
 template <LinearContact P, class X>
@@ -94,12 +94,12 @@ class TransformedContact {
   using S = std::conditional_t<std::numeric_limits<Constant>::is_specialized, Constant, double>;
   static constexpr bool constant = ConstantDamping<P>;
   static constexpr bool reads_time = !Autonomous<P>;
-  /// A, which p_t + αs makes a quantity of its own, and Aᵏ⁻¹, which a flow hands on.
+  /// A, which has to be kept because it contains p_t + αs, and Aᵏ⁻¹, which one flow hands on to the next.
   struct Memory {
     T a, pace;
   };
 
-  /// `level`: c = κ + E₀; `kappa` is for words. The run begins at x: A = B there.
+  /// `level`: c = κ + E₀; `kappa` is for messages alone. The run begins at x: A = B there.
   TransformedContact(const P& problem, const X& x, const T& level, const T& kappa, double exponent,
                      const Weights<S>& weights)
       : problem_(problem),
@@ -120,7 +120,7 @@ class TransformedContact {
     if constexpr (!constant) here_ = damping_at(problem_, x.t);
   }
   const Memory& memory() const { return now_; }
-  /// What is to be remembered where A is this.
+  /// Returns the memory for this value of A.
   Memory at(const T& a) const { return {a, slope_(a)}; }
   const T& pace(const X&) const { return now_.pace; }
   /// The largest |B²/(A₀A₁) − 1| of a kick.
@@ -253,7 +253,7 @@ class TransformedContact {
     const auto v = velocity(problem_, x.q, x.p);
     const T kinetic = 0.5 * dot(x.p, v), bound = now.a - kinetic - level_, t0 = x.t + elapsed, r = tau * now.pace;
     const T near(4 * std::sqrt(Precision<S>::epsilon));
-    // To the third order in r.
+    // The first guess of δ, to the third order in r.
     const T h = 0.5 * r * here_.rate, inverse = 1.0 / now.a;
     T delta = r * (1.0 - legendre * h + (h * h) * (legendre * (legendre - 0.5) + (0.5 * bend) * (bound * inverse)) +
                    (0.125 * bend * (r * r) * here_.slope) * (2.0 * legendre - 1.0 + (kinetic - level_) * inverse));
@@ -269,7 +269,7 @@ class TransformedContact {
       if (!all(mean > T(0))) [[unlikely]]
         return fail(TransformedFault::pole, mean);
       const T g = tau * slope_(mean);
-      // By Newton's method: `turn` is what ln(mean) changes by with δ, which stands for g, as that comes late.
+      // Newton's method: `turn` is d ln(mean)/dδ. In the derivative of g, δ stands for g, which is computed late.
       const T lost = 0.5 * middle.rate * (e * bound) + middle.rate * (slow * (1.0 + y)) + rise * (level_ - slow);
       const T turn = legendre * rise / bottom - lost / top;
       const T change = (g - delta) / (1.0 - bend * (delta * turn));
@@ -312,7 +312,7 @@ class TransformedContact {
     ++work.forces;
     const T b = level_ - potential, push = slope_(b, tau), lift = b * inverse_;  // push·lift = τF(B)
     const Vector rate = velocity(problem_, x.q, gradient);
-    // A by what K, αs and p_t change by: all that does not need `push` is there when it comes.
+    // A changes by what K, αs and p_t change by. All that does not need `push` is computed while that is pending.
     T change = -dot(rate, x.p);
     if constexpr (constant) {
       change = change + problem_.damping() * lift;
@@ -330,7 +330,7 @@ class TransformedContact {
       return fail(TransformedFault::kinetic, a);
     if (!all(near_level(square, level))) [[unlikely]]
       return fail(TransformedFault::level, T(square / level));
-    const auto more = off * strain_level_ > strain_ * level;  // a fraction: the divider has enough to do
+    const auto more = off * strain_level_ > strain_ * level;  // kept as a fraction, to spare a division
     strain_ = select(more, off, strain_);
     strain_level_ = select(more, level, strain_level_);
     now = at(a);

@@ -1,7 +1,8 @@
-// Steps of constant length σ in a parameter τ that runs with the motion, whatever takes them. A kernel is
-//   kernel.move(x, σ, elapsed, work) → StepStatus   moves q, p and s by σ; `elapsed` is the time that takes. x.t is the
-//                                                   time it begins at, read where `reads_time`. Where it fails, also as
-//                                                   the time does not advance, x and what it keeps are as before
+// TransformedStepper takes steps of constant length σ in a parameter τ that runs with the motion, by a kernel:
+//   kernel.move(x, σ, elapsed, work) → StepStatus   moves q, p and s by σ and sets `elapsed` to the time taken. The
+//                                                   step begins at the time x.t, which is read where `reads_time`. A
+//                                                   failure, also where the time does not advance, leaves x and the
+//                                                   kernel as they were
 //   kernel.memory(), kernel.settle(x, memory)       what it keeps beside the state, and to go on from x with it
 //   kernel.pace(x)                                  dt/dτ at x
 //   kernel.strain(), kernel.stages()
@@ -31,10 +32,10 @@ PotentialAt<V> potential_at(const P& problem, const V& q, const F& f) {
   }
 }
 
-/// Of kernels that keep nothing but what follows from the state.
+/// The memory of kernels that keep nothing beside the state.
 struct NoMemory {};
 
-/// Whether at a kick a square is near what it is on the motion's level.
+/// Whether a square is within a factor of 4 of `level`, its value on the energy level of the motion.
 template <class T>
 auto near_level(const T& square, const T& level) {
   return (square >= 0.25 * level) & (square <= 4.0 * level);
@@ -59,9 +60,9 @@ class TransformedStepper {
     return StepStatus::ok;
   }
 
-  /// x moved to the time t by a shorter σ, to round-off of t: Newton's method for the time taken, whose slope by σ is
-  /// the pace at the end as far as the step is exact, within a bracket. solver_failed where t is beyond the end of a
-  /// step.
+  /// Moves x to the time t, to round-off of t, by a step of a shorter σ. Newton's method within a bracket finds σ: the
+  /// derivative of the time by σ is the pace at the end, as far as the step is exact. Returns solver_failed where t is
+  /// beyond the end of a whole step.
   StepStatus reach(X& x, const T& t) noexcept requires std::numeric_limits<T>::is_specialized {
     using least::abs;
     constexpr int most_iterations = 100;
@@ -92,7 +93,7 @@ class TransformedStepper {
     return status;
   }
   const Work& work() const { return work_; }
-  /// How long the last step took.
+  /// The time that the last step took.
   const T& elapsed() const { return elapsed_; }
   /// What steps remember beside the state; with it another stepper goes on from the state x.
   Memory memory() const { return kernel_.memory(); }
@@ -100,7 +101,7 @@ class TransformedStepper {
   const Kernel& kernel() const { return kernel_; }
   /// The largest |(D/(K + κ))² − 1| of a kick.
   T strain() const { return kernel_.strain(); }
-  /// What the kernel has to say of the last step, which failed; empty: nothing.
+  /// Why the last step failed, in words of the kernel; may be empty.
   std::string failure() const {
     if constexpr (requires { kernel_.failure(); }) return kernel_.failure();
     return {};

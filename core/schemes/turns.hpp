@@ -22,7 +22,7 @@ inline constexpr auto turns_names = [] {
 inline const Alternation<double>* alternation_of(SplittingTurns turns) {
   return turns == SplittingTurns::strang ? nullptr : &Alternation<double>::named(static_cast<std::size_t>(turns) - 1);
 }
-/// By composition or splitting, as a card says them.
+/// The orders by composition or splitting, as a scheme's card lists them.
 inline std::vector<std::pair<std::string, int>> orders_of_turns() {
   auto all = orders_from(2);
   for (const auto& named : alternations::named) all.emplace_back(named.name, named.order);

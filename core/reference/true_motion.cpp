@@ -355,8 +355,7 @@ std::span<const DoubleDouble> TrueMotion::at(double t, const std::function<bool(
 SideBySide side_by_side(TrueMotion& one, TrueMotion& other, std::span<const double> times,
                         const std::function<bool()>& keep_going) {
   using States = std::vector<DoubleDouble>;
-  std::atomic<std::size_t> wanted{
-      times.size()};  // how many of the times: where one motion has ended, the other need not go on
+  std::atomic<std::size_t> wanted{times.size()};  // times still wanted: less where one motion has ended
   const auto run = [&wanted, times](TrueMotion& motion, const std::function<bool()>& going) {
     States states;
     std::size_t done = 0;

@@ -64,9 +64,7 @@ struct PackFactors {
   const double* first;
   std::size_t room;
 
-  [[gnu::always_inline]] inline PackFactors operator+(Index) const {
-    return *this;
-  }  // `first` already points to this batch
+  [[gnu::always_inline]] inline PackFactors operator+(Index) const { return *this; }  // they are of this batch
   [[gnu::always_inline]] inline Term operator[](std::size_t i) const { return {Pack<Wide>::read(first + i * room)}; }
 };
 template <std::size_t Wide>

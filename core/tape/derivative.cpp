@@ -158,8 +158,8 @@ void walk_back(Tape& tape, const Symbol& y, const std::vector<Index>& parts, con
 }  // namespace
 
 std::vector<Index> parts_of(const Tape& tape, Index whole) {
-  thread_local std::vector<bool>
-      seen;  // all false between calls: resetting only what was seen costs less than a list per call on a large tape
+  // Resetting what was seen costs less than a new list per call on a large tape: all are false between calls.
+  thread_local std::vector<bool> seen;
   if (seen.size() < nth(tape.size())) seen.resize(nth(tape.size()), false);
   std::vector<Index> parts{whole};
   seen[nth(whole)] = true;

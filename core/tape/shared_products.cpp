@@ -72,8 +72,7 @@ class ProductSharing {
   }
 
   Program& p_;
-  std::vector<int>
-      uses_;  ///< by lane: how often sums of the motion use it; the motion must not depend on the other steps
+  std::vector<int> uses_;        ///< by lane: uses in sums of the motion, on which other steps must have no effect
   std::vector<Index> value_of_;  ///< by lane
   std::vector<Step> steps_;
   std::vector<Program::Value> values_;

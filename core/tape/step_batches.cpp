@@ -168,8 +168,7 @@ class StepBatches::Arrangement {
             const Step& s = p_.steps[group.steps[k]];
             to[at(weighted ? s.weighted : s.out)] = static_cast<Index>(next + k);
           }
-          next += filled_up(group.steps.size()) +
-                  width;  // the last of its batches may begin at any value and writes whole registers
+          next += filled_up(group.steps.size()) + width;  // its last batch may begin anywhere, and fills registers
         }
       } else {
         if (made_.pieces.empty() || made_.pieces.back().is_batch) made_.pieces.push_back({false, steps.size(), 0});

@@ -28,8 +28,7 @@ struct StepBatch {
   Column out, weighted, a, b, w, lane;
   Index first_value = 0, values = 0, first_product = 0, products = 0;
   std::size_t count = 0, room = 0;  ///< room: count rounded up to a multiple of `StepBatches::width`
-  std::size_t numbers =
-      0;  ///< where in `numbers` c, p and the factors of values and products begin, `room` numbers each
+  std::size_t numbers = 0;          ///< first of c, p and the factors of values and products, `room` numbers each
   std::size_t scratch = 0;  ///< where in the scratch the factors of the steps and the ends of their products begin
 };
 
@@ -66,9 +65,8 @@ class StepBatches {
   std::vector<Piece> pieces;
   std::vector<Lanes> lanes;     ///< those of products of two values, then those of squares
   std::size_t mixed_lanes = 0;  ///< how many are products of two
-  std::vector<Index>
-      copied;  ///< values that are copied, in this order, behind all others in every order, as factors of lanes
-  std::size_t scratch = 0;  ///< size of the scratch of all batches
+  std::vector<Index> copied;    ///< values that every order copies, in this order, behind all others, for lanes
+  std::size_t scratch = 0;      ///< size of the scratch of all batches
 
  private:
   class Arrangement;

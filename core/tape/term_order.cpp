@@ -30,8 +30,7 @@ class TermSums::Order {
       least = std::min(least, distance(t));
       most = std::max(most, distance(t));
     }
-    std::vector<std::uint32_t> next(static_cast<std::size_t>(most - least) + 2,
-                                    0);  // where the terms of a distance begin
+    std::vector<std::uint32_t> next(static_cast<std::size_t>(most - least) + 2, 0);  // first term by distance
     for (std::uint32_t t = 0; t < terms_.size(); ++t) ++next[static_cast<std::size_t>(distance(t) - least) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
     for (std::uint32_t t = 0; t < terms_.size(); ++t) terms_[next[static_cast<std::size_t>(distance(t) - least)]++] = t;

@@ -56,8 +56,7 @@ class TermSums {
   static constexpr std::size_t tile = 256;  ///< terms computed at a time
   static constexpr std::size_t parts = 8;   ///< partial sums into which the terms of one sum are added
   static constexpr std::uint32_t dropped = static_cast<std::uint32_t>(-1);
-  static constexpr std::size_t few_in_segment =
-      4;  ///< terms, on average: below, each value is read and added by itself
+  static constexpr std::size_t few_in_segment = 4;  ///< average, below which values are read and added one by one
 
   enum class Source : std::uint8_t { number, variable, formula };
   /// An argument of all terms: from `first` on, numbers_ holds its values, or places_ the places of its values. A

@@ -216,7 +216,7 @@ struct ContactLeapfrog {
     return ContactLeapfrogStepper<P, X>(problem, x, step, Weights<typename X::Time>::of(composition));
   }
 
-  /// With s at either end where V is.
+  /// E_d of the step from a to b: K in the drift, and the means of V and of the part of s over the two ends.
   template <SeparableContact P, class X>
   requires X::acting auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
     const auto left = phase(problem, a.t), right = phase(problem, a.t + h);

@@ -150,7 +150,7 @@ struct ContactVariationalMidpoint {
     using Stepper = ContactMidpointStepper<P, X>;
     return Composed<Stepper, typename X::Time>(Stepper(problem), composition);
   }
-  /// The momentum in the middle is the mean of what λ's factors make of those at the ends.
+  /// E_d of the step from a to b. With l = (h/2)H_s the momentum in the middle is ½((1 − l) p₀ + (1 + l) p₁).
   template <Contact P, class X>
   requires X::acting auto step_energy(const P& problem, const X& a, const X& b, const typename X::Time& h) const {
     const auto f = phase(problem, a.t + h / 2);

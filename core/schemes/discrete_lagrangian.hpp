@@ -15,7 +15,7 @@ namespace least {
 enum class Quadrature : std::uint8_t { trapezoid, midpoint };
 inline constexpr std::array<std::string_view, 2> quadrature_names{"trapezoid", "midpoint"};
 
-/// V at a point and g, where it depends on the point.
+/// LagrangianTerms is V at a point, and g there if g depends on the point.
 template <Conservative P, class T>
 struct LagrangianTerms {
   static constexpr int n = P::dof;
@@ -27,7 +27,7 @@ struct LagrangianTerms {
   LagrangianTerms(const P& problem, const Vec<n, T>& q) : potential(least::potential(problem, q)) {
     if constexpr (ConfigurationMetric<P>) metric = problem.metric(q);
   }
-  /// The mean of two.
+  /// The mean of two of them.
   LagrangianTerms(const LagrangianTerms& a, const LagrangianTerms& b) : potential((a.potential + b.potential) * 0.5) {
     if constexpr (ConfigurationMetric<P>)
       for (std::size_t i = 0; i < n; ++i)
@@ -55,7 +55,7 @@ struct LagrangianTerms {
   }
 };
 
-/// The same with the derivatives by the point: one force evaluation.
+/// Slopes is LagrangianTerms with the derivatives by the point: one force evaluation.
 template <Conservative P, class T>
 struct Slopes : LagrangianTerms<P, T> {
   using LagrangianTerms<P, T>::n;

@@ -1,4 +1,4 @@
-// A second look at steps whose own estimate of the error is blind to part of it.
+// Checks of steps whose own error estimate is blind to a part of the error.
 #pragma once
 
 #include <algorithm>
@@ -22,15 +22,16 @@ struct NoCheck {
   }
 };
 
-/// A second look at the steps of Fehlberg's pair. Its estimate, 41/840 h (k₀ + k₁₀ − k₁₁ − k₁₂), compares slopes at the
-/// ends of a step alone: it is zero for an integral over time, and a kink or a drive within the step goes unseen. The
-/// stages that the solution is made of lie at 0, 1/6, …, 1, weighted as by Newton and Cotes; what Weddle's rule, of two
-/// orders less, would make of them differs by h/840 times their sixth difference. That may be tolerance^0.8: being of
-/// lower order it is larger than the error by more than that, where rates are smooth. Where they are rough it is not:
-/// the error is less than it by about as much as sixth differences are less than fourth ones, which beside a pole is
-/// nothing. A sixth difference that happens to vanish, as it does for some step over any pole, is not believed: it goes
-/// on from fourth to fifth to sixth ones at an even pace. Sources: Hairer, Nørsett, Wanner, Solving Ordinary
-/// Differential Equations I, 1993, II.5; Abramowitz & Stegun, 25.4.16 and 25.4.18.
+/// SixthDifference examines the steps of Fehlberg's pair again. The pair's own estimate, 41/840 h (k₀ + k₁₀ − k₁₁ −
+/// k₁₂), compares slopes at the ends of a step alone: it is zero for an integral over time, and misses a kink or a
+/// drive within the step. The solution is made of stages at 0, 1/6, …, 1 with the weights of Newton and Cotes; Weddle's
+/// rule, of two orders less, gives a result that differs by h/840 times the sixth difference of these stages. The
+/// difference may be as large as tolerance^0.8: it is of lower order, and so larger than the error by more than that,
+/// where rates are smooth. Where rates are rough, the error is smaller than the difference only by about the ratio of
+/// sixth to fourth differences, which is about 1 beside a pole. A sixth difference may vanish by chance, as it does for
+/// some step over any pole: it is taken to be at least the geometric continuation of the fourth and fifth ones.
+/// Sources: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.5; Abramowitz & Stegun,
+/// 25.4.16 and 25.4.18.
 template <class Shape>
 class SixthDifference {
  public:

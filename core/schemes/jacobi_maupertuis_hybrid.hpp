@@ -219,7 +219,8 @@ int JacobiMaupertuisHybrid<Motion>::halvings(const Site& x, std::size_t sigma) {
   return alpha > T(0) || slope <= T(0) ? k : 32;  // E₀ − V ≤ 0: no step is short enough
 }
 
-/// A step along q^σ of length θ/2ᵏ in the direction of motion, composed; x is spoilt where it fails.
+/// Takes a step along q^σ of length θ/2ᵏ in the direction of motion, composed. Returns false where it fails, and leaves
+/// x undefined.
 template <class Motion>
 bool JacobiMaupertuisHybrid<Motion>::try_step(Site& x, std::size_t sigma, int k) {
   motion_.velocity(x, v_);
@@ -248,7 +249,7 @@ StepStatus JacobiMaupertuisHybrid<Motion>::fast_step(Site& x, ActiveMethod& cour
     std::swap(x, trial_);
     return StepStatus::ok;
   }
-  // The other coordinates by weight, then all of them at half the length: of many those that move most.
+  // Tries the other coordinates by weight, then all of them at half the length; of many, those that move most.
   constexpr std::size_t most_tried = 8;
   for (int shorter = 0; shorter < 2; ++shorter) {
     auto left = weight_;

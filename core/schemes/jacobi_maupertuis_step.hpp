@@ -33,7 +33,7 @@ bool settled(const Dual<T, K>& change, const Dual<T, K>& x, const Dual<T, K>& to
 
 }  // namespace detail
 
-/// Where a step begins and ends: a state, what is known of the mechanics there, and the time taken so far.
+/// StepEnd is where a step begins or ends: a state, what is known of the mechanics there, and the time taken so far.
 template <Conservative P, class T>
 struct StepEnd {
   Vec<P::dof, T> q{}, p{};

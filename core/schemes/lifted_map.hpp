@@ -16,12 +16,13 @@ namespace text {
 class Lift;
 }
 
-/// How the lifted motion q̇ = X, ṡ = g is followed, with the exact derivative of what is done.
+/// The method for the lifted motion q̇ = X, ṡ = g, whose exact derivative moves the momenta.
 enum class LiftMethod : std::uint8_t {
   automatic,     ///< exact where that can be, else midpoint
   exact,         ///< by the matrix exponential, of linear motions with constant coefficients
   midpoint,      ///< the implicit midpoint rule for q and s alone: symmetric, so that every composition keeps its order
-  extrapolation  ///< the explicit midpoint rule, extrapolated to the order of the composition: nothing is solved for
+  extrapolation  ///< the explicit midpoint rule, extrapolated to the order of the composition, without equations to
+                 ///< solve
 };
 inline constexpr std::array<std::string_view, 4> lift_names{"automatic", "exact", "midpoint", "extrapolation"};
 

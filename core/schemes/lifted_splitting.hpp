@@ -19,7 +19,7 @@
 
 namespace least {
 
-/// A scene as text that knows whether it has the form.
+/// A scene as text, whose lift() is null unless it has the form.
 template <class P>
 concept MayBeLifted = GeneralHamiltonian<P> && requires(const P& m) {
   { m.lift() } -> std::convertible_to<std::shared_ptr<const text::Lift>>;

@@ -60,7 +60,7 @@ struct Components {
 
   std::size_t count_ = 0;
   std::array<double, most_in_place> here_{};
-  std::vector<double> elsewhere_;  ///< all of them, where they are more
+  std::vector<double> elsewhere_;  ///< all components, where there are more
 };
 
 /// Returns the largest size of the first `moving` components; NaN is ignored.

@@ -26,7 +26,7 @@ namespace least {
 namespace odeint {
 
 enum class Method : std::uint8_t { dormand_prince_5, fehlberg_78, bulirsch_stoer };
-/// Whether the method can say where the motion was within its last step, at no evaluation.
+/// Whether the method gives the state within its last step without further evaluations.
 constexpr bool has_dense(Method method) { return method == Method::dormand_prince_5; }
 
 /// Field is ẏ = f(t, y) of a problem of any type.
@@ -37,7 +37,7 @@ struct Field {
   void (*complete)(const void* problem, double t, double* variables) = nullptr;  ///< as in tape::SteepStep
 };
 
-/// A method with its memory, on a fixed number of components. Not tied to a problem's address.
+/// Integrator is a method with its memory, for a fixed number of components. It keeps no address of a problem.
 class Integrator {
  public:
   virtual ~Integrator() = default;
@@ -93,7 +93,8 @@ std::shared_ptr<const tape::SteepForces> steep_forces(const P& problem) {
 template <VectorField P, odeint::Flat X>
 class AnyOdeintStepper {
  public:
-  /// As in TaylorStepper: steps of high order are so long that a quantity may change its sign more than once in one.
+  /// Parts of a step in which changes of sign are looked for, as in TaylorStepper: steps of high order are so long that
+  /// a quantity may change its sign more than once in one.
   static constexpr int parts = 16;
 
   AnyOdeintStepper(const P& problem, odeint::Method method, double tolerance)

@@ -51,7 +51,7 @@ class TransformedStepper {
   TransformedStepper(const Kernel& kernel, double sigma) : kernel_(kernel), sigma_(sigma) {}
 
   StepStatus step(X& x) noexcept {
-    // On x itself: a copy is read in wider pieces than it has just been written in, which waits for the memory.
+    // Works on x itself: a copy would be read in wider pieces than it was just written in, which waits for the memory.
     T elapsed;
     const StepStatus status = kernel_.move(x, sigma_, elapsed, work_);
     if (status != StepStatus::ok) return status;

@@ -27,8 +27,8 @@ struct Enclosure {
   /// These bounds, moved outwards by more than their rounding errors.
   static Enclosure rounded(double low, double high, Defined where) {
     constexpr double unit = 0x1p-51, most = std::numeric_limits<double>::max();
-    // A lower bound may have overflowed to +∞ and an upper one to −∞: the largest number is a safe bound. NaN bounds
-    // nothing.
+    // A lower bound may have overflowed to +∞ and an upper one to −∞: the largest finite number of that sign is a safe
+    // bound. NaN bounds nothing.
     low = low <= most ? low - unit * std::abs(low) : std::isnan(low) ? -infinite : most;
     high = high >= -most ? high + unit * std::abs(high) : std::isnan(high) ? infinite : -most;
     return {low, high, where};

@@ -98,7 +98,7 @@ void invert_in_place(std::size_t n, double* a) {
 template <class T>
 void detail::solve_by_lu(std::size_t n, T* a, const T* b, T* x) {
   if constexpr (std::is_same_v<T, double>) {
-    // A size that is fixed saves up to 50 ns and takes two seconds of compilation: for the smallest and most frequent.
+    // A fixed size saves up to 50 ns but takes two seconds to compile: only the smallest, most frequent sizes have it.
     if (is_large(n)) return solve_large(n, a, b, x);
     if (n == 2) return solve<2>(n, a, b, x);
 #ifndef LEAST_FEW_SIZES

@@ -80,8 +80,8 @@ std::size_t bandwidth_of(const SparsityPattern& pattern, const std::vector<std::
 
 SparseSystem::SparseSystem(const SparsityPattern& pattern) : place_(pattern.size()) {
   const std::size_t n = size();
-  // A row with so many entries makes the band wide in every order, so that the matrix is treated as full: to seek an
-  // order of full rows would take long.
+  // A row with so many entries makes the band wide in every order, so the matrix is treated as full: renumbering full
+  // rows would take long.
   if (n > 16 && 4 * longest_row(pattern) > n + 4) {
     std::iota(place_.begin(), place_.end(), 0);
     band_ = n - 1;

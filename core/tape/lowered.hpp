@@ -1,5 +1,5 @@
-// How a tape becomes a program: constexpr, so that programs of the problems of the catalogue are made by the compiler,
-// too (core/tape/unrolled.hpp).
+// lowered makes a program from a tape. It is constexpr, so that the compiler, too, can make the programs of the
+// problems of the catalogue (core/tape/unrolled.hpp).
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,8 @@
-// Functions that are steep: exp, tanh, sinh, cosh and high powers change by orders of magnitude while their argument
-// moves by a few units. A pulse e^{−k(t−a)²}, a bump, a wall or a switch tanh(kv) that lies ahead leaves no digit in a
-// Taylor series or in the stages of a Runge–Kutta step, and a step that goes by error estimates alone may jump over it.
-// Its argument is smooth and tells of it: a step is resolved where no argument moves by more than a few e-foldings
-// while its function is of any consequence.
+// Steep functions: exp, tanh, sinh, cosh and high powers change by orders of magnitude while their argument moves by a
+// few units. A pulse e^{−k(t−a)²}, a bump, a wall or a switch tanh(kv) that lies ahead leaves no digit in a Taylor
+// series or in the stages of a Runge–Kutta step, and a step chosen by error estimates alone may jump over it. But its
+// argument is smooth and shows it: a step is resolved if no argument moves by more than a few e-foldings where its
+// function matters.
 #pragma once
 
 #include <algorithm>

@@ -130,8 +130,7 @@ struct Recorder {
   static constexpr Node node(const Symbol& x) { return x.tape_ ? (*x.tape_)[x.node_] : Node{}; }
   static constexpr Node node(const Symbol& of, Index i) { return (*of.tape_)[i]; }
   static constexpr Symbol at(const Symbol& of, Index i) { return Symbol::at(*of.tape_, i); }
-  /// The constant `exact`; its double `plain` where double-double arithmetic has over- or underflowed to a non-finite
-  /// value.
+  /// The constant `exact`; its double `plain` where double-double arithmetic gave a value that is not finite.
   static constexpr Symbol constant(double plain, const DoubleDouble& exact) {
     return Symbol(std::isfinite(exact.high() + exact.low()) ? exact : DoubleDouble(plain));
   }

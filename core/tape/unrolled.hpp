@@ -1,7 +1,7 @@
-// Series of programs whose structure the compiler knows: an order is straight code, its values stand in registers, and
-// what waits for what is seen by the processor at once. Only the structure is known, the numbers are those of the
-// program that a run has recorded: any program of that structure may use it, and gets the bits that reading it gives
-// where nothing overflows.
+// Unrolled computes series of programs whose structure is known at compile time: an order is straight-line code, its
+// values stay in registers, and the processor sees all dependences at once. Constant factors come from the program that
+// a run has recorded, so any program of the structure can use the code. It gives the bits of the interpreter where
+// nothing overflows.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Rules says how the coefficients of order k of a step follow from known ones, rule by rule (core/tape/program.hpp). It
 // is written once for both the interpreter, which runs steps in batches or one by one (core/tape/batch_passes.hpp), and
-// for programs that are unrolled at compile time (core/tape/unrolled.hpp). Both compute the same bits.
+// programs that are unrolled at compile time (core/tape/unrolled.hpp). Both compute the same bits.
 #pragma once
 
 #include <array>

@@ -36,7 +36,7 @@ constexpr std::optional<SteepArgument::Kind> steepness(Op function) {
 
 /// Returns the steep functions on which the motion of a program depends; their arguments are values of the program.
 std::vector<SteepArgument> steep_arguments(const Program& program);
-/// Returns the steep functions on which the outputs depend; their arguments are nodes of the tape.
+/// Returns the steep functions on which the outputs depend; their arguments are nodes of the tape, which has no terms.
 std::vector<SteepArgument> steep_arguments(const Tape& tape, std::span<const Index> outputs);
 
 /// Whether the motion of a program may change abruptly ahead although no steep function tells of it: it depends on
@@ -125,7 +125,8 @@ struct SteepStep {
 };
 
 /// SteepForces finds what a step controlled by error estimates alone may jump over in equations of motion on a tape:
-/// steep functions, and zeros at which the choice between two formulas changes.
+/// steep functions, and zeros at which the choice between two formulas changes. The tape has no terms (PlainTape):
+/// their operands are not followed.
 class SteepForces {
  public:
   SteepForces(const Tape& tape, std::span<const Index> rates);

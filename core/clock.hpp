@@ -1,4 +1,4 @@
-// The clock that costs and deadlines are read from.
+// The clock that measures costs and deadlines.
 #pragma once
 
 #include <chrono>
@@ -9,8 +9,8 @@ inline double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Seconds from some time on, never fewer than before. A test puts a clock of its own here, which it turns by itself,
-/// so that what it says of deadlines does not depend on how fast a machine is.
+/// read_clock() returns the seconds since some fixed time and never decreases. A test may set it to a clock that it
+/// advances itself, so that what it checks of deadlines does not depend on the speed of the machine.
 inline double (*read_clock)() = steady_seconds;
 
 }  // namespace least

@@ -11,14 +11,15 @@ template const Weights<double>& Weights<double>::of(const Composition& compositi
 namespace compositions {
 namespace {
 
-/// The words in X₁, X₃, X₅, X₇ and X₉ of degree 9 at most, each after the one that it prolongs; the first is empty.
+/// Word is a word in X₁, X₃, X₅, X₇ and X₉ of degree at most 9. The list of all words puts each after the word that it
+/// prolongs and begins with the empty one.
 struct Word {
-  std::size_t shorter;  ///< without its last letter
+  std::size_t shorter;  ///< index of the word without its last letter
   int degree;
-  bool pure;   ///< of X₁ alone
-  bool third;  ///< with an X₃
+  bool pure;   ///< contains X₁ only
+  bool third;  ///< contains X₃
 };
-constexpr int highest = 9;  // what is symmetric has an even order
+constexpr int highest = 9;  // symmetric compositions have even order, so order 10 needs degrees up to 9
 std::vector<Word> all_words() {
   std::vector<Word> words{{0, 0, true, false}};
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -27,7 +28,7 @@ std::vector<Word> all_words() {
   return words;
 }
 
-/// The coefficients of the words in the product of exp(γX₁ + γ³X₃ + …).
+/// product returns the coefficients of the words in the product of the exp(γX₁ + γ³X₃ + …) of all weights γ.
 template <class Weight>
 std::vector<double> product(const std::vector<Word>& words, std::span<const double> weights, Weight&& weight) {
   std::vector<double> all(words.size()), next;
@@ -73,7 +74,7 @@ std::string objection(std::span<const double> weights) {
 
 int order_of(std::span<const double> weights, int base) {
   static const std::vector<Word> words = all_words();
-  // A condition holds where what is left of its terms is their rounding, and that of weights of 15 digits.
+  // A condition holds up to rounding: of the sum of its terms, and of weights given with 15 digits.
   constexpr double rounding = 1e-12;
   const auto found = product(words, weights, [](double x) { return x; });
   const auto terms = product(words, weights, [](double x) { return std::abs(x); });

@@ -23,8 +23,8 @@
 
 namespace least {
 
-/// One of the named compositions, or weights of one's own. Copies share the list, and steppers point into what is made
-/// of it: whoever holds a stepper holds its scheme.
+/// Composition is one of the named compositions, or a list of custom weights. Copies share that list. Steppers point
+/// into tables that are kept with it (`kept`), so whoever holds a stepper has to hold its scheme, too.
 class Composition {
  public:
   enum Name : std::uint8_t {
@@ -37,25 +37,26 @@ class Composition {
     suzuki_umeno_8,
     kahan_li_8,
     sofroniou_spaletta_10,
-    custom,  ///< weights of one's own, without which it is none
+    custom,  ///< a list of custom weights, not empty
   };
 
   Composition(Name name = none) : name_(name) {}  // NOLINT(google-explicit-constructor): a name is a composition
-  /// The position among the names, as settings hold it; for `custom` with its weights.
+  /// Makes the composition with this index among the names, as settings store it; `weights` are those of `custom`.
   template <class Number>
   requires std::is_arithmetic_v<Number>
   explicit Composition(Number index, std::span<const double> weights = {}) : name_(static_cast<Name>(index)) {
     if (name_ == custom) list_ = std::make_shared<const List>(weights);
   }
-  /// Weights that `compositions::objection` has nothing against.
+  /// Makes a custom composition; `compositions::objection(weights)` has to be empty.
   explicit Composition(std::span<const double> weights) : Composition(static_cast<int>(custom), weights) {}
   template <class Number>
   requires std::is_arithmetic_v<Number>
   explicit operator Number() const { return static_cast<Number>(name_); }
 
-  /// Weights of one's own; empty: it is a named one.
+  /// The custom weights; empty for a named composition.
   std::span<const double> weights() const { return list_ ? list_->weights : std::span<const double>(); }
-  /// What follows from the weights of `custom`: made once, and there as long as the list.
+  /// kept(make) returns a V that is derived from the custom weights. The first call for each type V makes it; it lives
+  /// as long as the list of weights.
   template <class V, class Make>
   const V& kept(Make&& make) const {
     const std::lock_guard lock(list_->mutex);
@@ -85,12 +86,13 @@ namespace compositions {
 inline constexpr int most_stages = 35;
 inline constexpr double largest_weight = 100;
 
-/// What speaks against a list of weights, in words; empty: nothing. They have to be as many as fit, finite, symmetric
-/// and of the sum 1 to a rounding of each to 15 digits.
+/// objection returns in words why a list of weights is not allowed, or an empty string. Weights have to be 1 to
+/// most_stages finite numbers, symmetric, with the sum 1 up to a rounding of each weight to 15 digits.
 std::string objection(std::span<const double> weights);
-/// The order of the composition of a symmetric scheme with such weights, as far as 10, from the order conditions: with
-/// the scheme as exp(hX₁ + h³X₃ + h⁵X₅ + …), the coefficients of the words in X₁, X₃, … of the product against those of
-/// exp(hX₁). `base` is the order of the scheme, 2, or 4 where X₃ = 0. Source: Hairer, Lubich, Wanner 2006, III.3.
+/// order_of returns the order, at most 10, of the composition of a symmetric scheme with these weights. It checks the
+/// order conditions: with the scheme written as exp(hX₁ + h³X₃ + h⁵X₅ + …), the coefficients of the words in X₁, X₃, …
+/// of the product have to be those of exp(hX₁). `base` is the order of the scheme: 2, or 4 where X₃ = 0. Source:
+/// Hairer, Lubich, Wanner 2006, III.3.
 int order_of(std::span<const double> weights, int base = 2);
 
 inline constexpr std::array<std::string_view, 9> names{"none",           "yoshida_4",  "suzuki_4",
@@ -154,7 +156,7 @@ inline constexpr std::array<std::span<const std::string_view>, 9> halves{
 
 }  // namespace compositions
 
-/// The weights of a composition in the number S that time is made of; they add up to 1.
+/// Weights holds the weights γ_i of a composition, which add up to 1, in the number S that time is made of.
 template <class S>
 struct Weights {
   int stages = 1;
@@ -165,7 +167,7 @@ struct Weights {
   std::span<const S> ends() const { return {end.data(), static_cast<std::size_t>(stages)}; }
   std::span<const S> middles() const { return {middle.data(), static_cast<std::size_t>(stages)}; }
 
-  /// Of a named one the text is read once per number.
+  /// of(composition) returns its weights; those of a named composition are parsed once for each S.
   static const Weights& of(const Composition& composition);
 
  private:
@@ -200,7 +202,7 @@ const Weights<S>& Weights<S>::of(const Composition& composition) {
   }();
   return table[static_cast<std::size_t>(composition)];
 }
-#ifndef LEAST_LANE_BYTES  // a unit of lanes has everything itself
+#ifndef LEAST_LANE_BYTES  // a unit of lanes instantiates its own
 extern template const Weights<double>& Weights<double>::of(const Composition& composition);
 #endif
 
@@ -211,7 +213,8 @@ inline double largest_negative_weight(const Composition& composition) {
   return most;
 }
 
-/// A symmetric stepper taken through a composition; nothing to fuse. A failed stage leaves the state as it was.
+/// Composed takes a step of a composition as stages of lengths γ_i·h of the symmetric stepper Base; neighbouring stages
+/// are not fused. A failed stage leaves the state as it was.
 template <class Base, class S>
 class Composed {
  public:

@@ -14,7 +14,7 @@ std::optional<std::size_t> SchemeCard::find(std::string_view parameter) const {
 }
 
 int SchemeCard::order(std::span<const double> settings) const {
-  int most = 0;  // of a composition and of a splitting: each says how far it brings the scheme
+  int most = 0;  // a composition and a splitting each have an order: the higher one counts
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const ParameterCard& parameter = parameters[i];
     if (parameter.kind != Kind::choice && parameter.kind != Kind::integer) continue;

@@ -28,13 +28,13 @@ struct Range {
 inline constexpr Range anywhere{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), true,
                                 true};
 
-/// Every length in time, in a parameter or along a coordinate, whatever its unit, of which squares do not overflow; and
-/// every strength.
+/// any_length allows lengths in time, in a parameter or along a coordinate, in any unit, whose squares do not overflow;
+/// any_strength and any_signed_strength allow all coefficients whose squares do not.
 inline constexpr Range any_length{0, 1e100, true};
 inline constexpr Range any_strength{1e-150, 1e150}, any_signed_strength{-1e150, 1e150};
 
-/// What values a parameter takes. All are held as double: a choice by its index, a flag as 0 or 1, null (or the word
-/// that stands for it) as NaN.
+/// Kind says what values a parameter takes. All are stored as double: a choice as its index, a flag as 0 or 1, null (or
+/// the word that stands for it) as NaN.
 enum class Kind { number, integer, choice, flag };
 
 /// A parameter of a problem or a scheme.
@@ -46,17 +46,17 @@ struct ParameterCard {
   std::vector<std::string> choices{};  ///< names by index, for Kind::choice
   std::string suggested{};  ///< not empty: the default is the problem's suggestion of this name, where it has one
   bool nullable = false;
-  std::string word{};    ///< what stands for NaN where it is nullable; empty: null
-  bool weights = false;  ///< a list of numbers may stand instead of a choice: the choice after the last
+  std::string word{};    ///< the word for NaN where it is nullable; empty: null
+  bool weights = false;  ///< custom weights may stand instead of a choice; the value is then choices.size()
 };
 
 struct VariableCard {
   std::string name, symbol, unit, doc;
   double value;            ///< the default start; NaN: follows from the others
-  bool optional = false;   ///< not part of the motion: carried along where it is asked for
+  bool optional = false;   ///< the motion does not need it: integrated only if it is asked for
   Range range = anywhere;  ///< where a run may start
   bool angle = false;      ///< the same after a whole turn, 2π
-  bool hidden = false;     ///< of a capacity that a scene does not use: it rests at zero, and nobody asks for it
+  bool hidden = false;     ///< beyond the coordinates of a scene whose class has room for more: it stays 0
 };
 /// A variable that is an angle.
 inline VariableCard angle(std::string name, std::string symbol, std::string doc, double value) {
@@ -72,31 +72,31 @@ struct QuantityCard {
 struct ColumnCard {
   std::string name;
   bool by_default = false;           ///< kept where a request says nothing
-  bool full_state = false;           ///< a run that keeps it carries more than the motion needs
+  bool full_state = false;           ///< a run that keeps it integrates the full state, not only what the motion needs
   bool nullable = false;             ///< it may be unknown at a state
-  std::vector<std::string> words{};  ///< what its numbers stand for, by value, where they are codes
-  bool hidden = false;               ///< of a hidden variable: nobody asks for it by name
+  std::vector<std::string> words{};  ///< where its numbers are codes: their names, by value
+  bool hidden = false;               ///< the column of a hidden variable: it cannot be asked for by name
 };
 
 /// What can be asked for as a diagnostic.
 struct DiagnosticCard {
   std::string_view name, doc;
   bool by_default = false;  ///< reported where a request says nothing
-  bool full_state = false;  ///< a run that is asked for it carries more than the motion needs
+  bool full_state = false;  ///< a run that reports it integrates the full state, not only what the motion needs
 };
 
 using NamedValue = std::pair<std::string, double>;
 
-/// A named set of parameters and start values; keys that stand in a request win over it.
+/// PresetCard is a named set of parameters and start values; values given in a request take precedence over it.
 struct PresetCard {
   std::string name{}, doc{};
-  std::vector<NamedValue> parameters{}, initial{};  ///< `t` among the start's: the start time
-  std::vector<NamedValue> suggested{};              ///< wins over the problem's own suggestions
+  std::vector<NamedValue> parameters{}, initial{};  ///< `t` in `initial` is the start time
+  std::vector<NamedValue> suggested{};              ///< takes precedence over the problem's own suggestions
   double span = 0;                                  ///< default length of a run; 0: the problem's own
 };
 
-/// Whether a Hamiltonian given as text, or equations are for lifted_splitting, and whether what is linear in the
-/// momenta moves the coordinates in a way that can be followed exactly.
+/// Lifted says whether lifted_splitting takes a problem that is given as text, and if so, whether the part of its
+/// Hamiltonian that is linear in the momenta moves the coordinates by a flow known in closed form (`exactly`).
 enum class Lifted : std::uint8_t { no, yes, exactly };
 
 struct ProblemCard {
@@ -110,24 +110,24 @@ struct ProblemCard {
   std::vector<QuantityCard> quantities{};  ///< not conserved
   std::vector<std::string> references{};
   Lifted lift = Lifted::no;
-  std::string lift_objection{};  ///< why not, of a general Hamiltonian
+  std::string lift_objection{};  ///< for a general Hamiltonian, why lift is `no`
   // Derived from the mechanics:
   bool keeps_energy = false;                  ///< the exact motion conserves the energy
-  bool keeps_form = false;                    ///< it keeps the symplectic or the contact form
+  bool keeps_form = false;                    ///< the exact motion conserves the symplectic or the contact form
   std::vector<ColumnCard> columns{};          ///< every column that can be asked for, `t` first
   std::vector<DiagnosticCard> diagnostics{};  ///< every diagnostic that can be asked for
   std::vector<std::size_t> schemes{};         ///< indices of the schemes that apply
   std::string offers{};                       ///< what its mechanics can offer to a scheme, in words
 };
 
-/// A named set of a scheme's parameters; keys that stand in a request win over it, it wins over what a problem
-/// suggests.
+/// SchemePresetCard is a named set of a scheme's parameters. Values given in a request take precedence over it, and it
+/// takes precedence over what a problem suggests.
 struct SchemePresetCard {
   std::string name{}, doc{};
   std::vector<NamedValue> settings{};
 };
 
-/// Settings that each are allowed and do not go together, or not with the problem.
+/// Conflict describes settings that are allowed one by one, but not together or not with the problem.
 struct Conflict {
   std::string parameter{};  ///< the one to change
   std::string detail{}, allowed{};
@@ -135,35 +135,37 @@ struct Conflict {
 
 struct SchemeCard {
   std::string id{}, title{}, summary{};
-  std::vector<std::pair<std::string, int>> orders{};  ///< by choice or number, as a composition; or one without a name
+  std::vector<std::pair<std::string, int>>
+      orders{};  ///< by the name of a choice or an integer value; or one, without a name
   bool implicit = false, symmetric = false;
   std::string structure{};                  ///< symplectic | contact | volume | none
-  bool keeps_momenta = false;               ///< of symmetries, whatever its structure; with a structure it always does
+  bool keeps_momenta = false;               ///< conserves those of symmetries; implied where it has a structure
   std::vector<ParameterCard> parameters{};  ///< filled in from the description
   std::string recommended{};                ///< the recommended composition, or empty
   std::vector<SchemePresetCard> presets{};
-  bool own_clock = false;  ///< its steps are not steps of time, or of any length; derived
-  /// What speaks against these settings on this problem; derived, may be null.
+  bool own_clock = false;  ///< it chooses the times of its steps itself (SelfTimed); derived
+  /// conflicts(settings, problem) returns what forbids these settings for this problem; derived, may be null.
   std::vector<Conflict> (*conflicts)(std::span<const double> settings, const ProblemCard& problem) = nullptr;
-  /// Whether it takes a problem that is of a type which fits it; derived, null: every one.
+  /// takes(problem) says whether it takes a problem whose type fits; derived, null: every one.
   bool (*takes)(const ProblemCard& problem) = nullptr;
   std::string good_for{}, fails_when{}, needs{};
   std::vector<std::string> references{};
 
-  /// The position of a parameter.
+  /// The index of the parameter with this name.
   std::optional<std::size_t> find(std::string_view parameter) const;
-  /// With these settings; 0 where none is declared.
+  /// The order with these settings; 0 where none is declared.
   int order(std::span<const double> settings) const;
 };
 
-/// A choice that may be weights of the caller's own instead.
+/// MayBeWeights holds for the type of a choice that custom weights may replace (Composition).
 template <class M>
 concept MayBeWeights = requires(const M& choice) {
   choice.weights();
 };
 
-/// One parameter of the aggregate C: where its value lives and what may stand there. Its default is that of C{}.
-/// M is the member's type: double, int, bool, or for a choice an enumeration or what may be weights.
+/// Field describes one parameter of the aggregate C: the member that holds its value, and the values that are allowed.
+/// Its default is that of C{}. M is the type of the member: double, int, bool, or for a choice an enumeration or
+/// Composition.
 template <class C, class M = double>
 struct Field {
   std::string_view name, symbol, unit, doc;
@@ -171,7 +173,7 @@ struct Field {
   Range range{0, 0};
   std::span<const std::string_view> choices{};
   std::string_view suggested{};
-  std::string_view absent{};  ///< "null" or another word: may stand instead of a number and is NaN
+  std::string_view absent{};  ///< "null" or another word that stands for NaN; empty: a number is required
 
   ParameterCard card() const {
     constexpr Kind kind = std::is_same_v<M, bool>  ? Kind::flag
@@ -195,14 +197,15 @@ struct Field {
   void set(C& c, double value) const { c.*member = static_cast<M>(value); }
 };
 
-/// Whether the value of a parameter stands for weights of the caller's own, which then stand after all settings.
+/// has_weights says whether this value of the parameter stands for custom weights; they follow the values of all
+/// parameters in the list of settings.
 inline bool has_weights(const ParameterCard& card, double value) {
   return card.weights && value == static_cast<double>(card.choices.size());
 }
 inline std::span<const double> weights_of(const SchemeCard& card, std::span<const double> settings) {
   return settings.subspan(card.parameters.size());
 }
-/// The order of a scheme with such weights.
+/// order_with_weights returns the order of a scheme whose settings end with custom weights.
 int order_with_weights(const SchemeCard& card, std::span<const double> settings);
 
 /// What a problem's file says about itself beside its mechanics: `fields`, a tuple of Field, and `card()`.

@@ -27,7 +27,7 @@ constexpr Vec<P::dof, T> gradient(const P& m, const Vec<P::dof, T>& q, const F& 
   }
 }
 
-/// V and ∇V at q of a scene where they are the same at all times.
+/// V and ∇V at q of a scene in which neither depends on time.
 template <Potential P, class T>
 requires Autonomous<P>
 constexpr T potential(const P& m, const Vec<P::dof, T>& q) { return m.potential(q, phase(m, 0.0)); }
@@ -75,7 +75,7 @@ constexpr T mechanical_energy(const P& m, const Vec<P::dof, T>& q, const Vec<P::
   return T(0.5) * dot(p, velocity(m, q, p)) + m.potential(q, f);
 }
 
-/// H − K − V: what s adds to the Hamiltonian.
+/// action_energy returns H − K − V, the part of the Hamiltonian that depends on s.
 template <Contact P, class T, class F>
 constexpr T action_energy(const P& m, const T& s, const F& f) {
   if constexpr (LinearContact<P>) {
@@ -94,7 +94,7 @@ constexpr auto action_slope(const P& m, const T& s, const F& f) {
   }
 }
 
-/// H at a state that says enough: with s where H depends on it. For a flow its energy.
+/// energy returns H(x), or for a flow its energy. Where H depends on s, the state has to carry s.
 template <HasEnergy P, class X>
 constexpr typename X::Number energy(const P& m, const X& x) {
   if constexpr (Flow<P>) {
@@ -112,7 +112,7 @@ constexpr typename X::Number energy(const P& m, const X& x) {
   }
 }
 
-/// ∂L/∂q at fixed velocity v: the force, with the metric's own part where it depends on q.
+/// lagrangian_force returns ∂L/∂q at fixed velocity v: −∇V, and where the metric g depends on q also ½ vᵀ(∂g/∂q)v.
 template <Potential P, class T, class F>
 constexpr Vec<P::dof, T> lagrangian_force(const P& m, const Vec<P::dof, T>& q, const Vec<P::dof, T>& v, const F& f) {
   Vec<P::dof, T> force;
@@ -130,8 +130,8 @@ constexpr Vec<P::dof, T> lagrangian_force(const P& m, const Vec<P::dof, T>& q, c
   return force;
 }
 
-/// Equations of motion. Hamilton's: q̇ = ∂H/∂p, ṗ = −∂H/∂q = ∂L/∂q at v = ∂H/∂p; for a contact scene with −p H_s, and
-/// ṡ = p·q̇ − H where s is carried. One force evaluation.
+/// derivative returns ẋ. Hamilton's equations: q̇ = ∂H/∂p, ṗ = −∂H/∂q = ∂L/∂q at v = ∂H/∂p; a contact scene adds −p H_s
+/// to ṗ, and ṡ = p·q̇ − H where the state carries s. It costs one force evaluation.
 template <VectorField P, class X>
 constexpr X derivative(const P& m, const X& x) {
   X d;

@@ -1,7 +1,7 @@
-// The explicit midpoint rule, extrapolated as far as a number goes: the exact flow of equations of motion, in quad for
-// reference solutions where there is no series, in double for what a single step of a scheme should have done. Source:
-// Gragg, SIAM J. Numer. Anal. 2, 384 (1965); Bulirsch & Stoer 1966; Hairer, Nørsett, Wanner, Solving Ordinary
-// Differential Equations I, II.9.
+// The explicit midpoint rule, extrapolated to the precision of its number type. It gives the exact flow of equations of
+// motion: in quad for reference solutions where there is no series, in double for the error of a single step of a
+// scheme. Source: Gragg, SIAM J. Numer. Anal. 2, 384 (1965); Bulirsch & Stoer 1966; Hairer, Nørsett, Wanner, Solving
+// Ordinary Differential Equations I, II.9.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 
 namespace least {
 
-/// The explicit midpoint rule extrapolated in h², order and step chosen as it goes.
+/// Extrapolation integrates the equations of motion by the explicit midpoint rule, extrapolated in h², with adaptive
+/// order and step.
 template <class P, class Y = StateOf<P, Quad, Quad>>
 class Extrapolation {
  public:
@@ -22,8 +23,8 @@ class Extrapolation {
   using T = typename X::Number;
   static constexpr std::size_t size = X::size;
 
-  /// `tolerance`: relative to the largest component, now or at the start, or to 1 where the start is larger. `step`:
-  /// the first to be tried.
+  /// `tolerance` bounds the error of a step, relative to the largest component of the state or to that of the start x
+  /// (at most 1), whichever is larger. `step` is the first step to be tried.
   Extrapolation(const P& problem, const X& x, double tolerance, T step = T(0.1))
       : problem_(problem), x_(x), tolerance_(tolerance), regular_(starts_series(problem, x)), step_(step) {
     using least::abs;
@@ -32,13 +33,14 @@ class Extrapolation {
     if (largest > T(0) && largest < T(1)) least_size_ = largest;
   }
 
-  /// What part of a step between two states is to be taken, for what estimates of errors do not see.
+  /// PartOf(from, to) returns which fraction of the step may be taken. A step whose fraction is below 1 is repeated
+  /// with that length; this bounds steps where the estimate of the error does not suffice.
   using PartOf = std::function<double(const X& from, const X& to)>;
   void bound_steps(PartOf part) { part_ = std::move(part); }
 
   const X& state() const { return x_; }
 
-  /// Moves on to t. False where keep_going() says so, or steps become too small or stand still.
+  /// Advances the state to t. Returns false if keep_going() does, or if the steps become too small to make progress.
   template <class KeepGoing>
   bool advance(const T& t, KeepGoing&& keep_going) {
     using least::abs;
@@ -69,7 +71,8 @@ class Extrapolation {
         continue;
       }
       x_ = next;
-      // Converged early: the step was short. Late: long. A step cut to fit says little.
+      // Early convergence says that a longer step would do, late convergence asks for a shorter one. A last step that
+      // was cut to end at t never shortens the next.
       if (column < target) step_ = last ? std::max(step_, T(1.5) * h) : T(1.5) * h;
       if (column > target + 1) step_ = h * T(0.8);
       if (!keep_going()) return false;
@@ -79,12 +82,14 @@ class Extrapolation {
 
  private:
   static constexpr int columns = 15, target = 10;
-  /// At a place where the motion ends steps do not: so many in a row that are short against the time until now are it.
+  /// Near a time at which the motion ends, steps shrink without end: advance gives up after so many steps in a row
+  /// shorter than `tiny` times the time integrated so far.
   static constexpr int patience = 1000;
   static constexpr double tiny = 1e-9;
-  static constexpr double shortest = Precision<T>::epsilon < 1e-30 ? 1e-25 : 1e-12;  ///< of steps, relative to the time
+  static constexpr double shortest = Precision<T>::epsilon < 1e-30 ? 1e-25 : 1e-12;  ///< step, relative to 1 + |t|
 
-  /// Fills the diagonal of the extrapolation table until two neighbours agree; the column reached, or −1.
+  /// attempt fills the diagonal of the extrapolation table until two neighbours agree; returns the column reached, or
+  /// −1.
   int attempt(const T& h) {
     for (int j = 0; j < columns; ++j) {
       X next = midpoint(h, 2 * (j + 1));
@@ -133,12 +138,12 @@ class Extrapolation {
   const P& problem_;
   X x_;
   double tolerance_;
-  bool regular_;  ///< from t = 0, where the equations of motion are singular and the solution is not
+  bool regular_;  ///< starts on the regular series from t = 0, where only the equations are singular
   T step_;
   PartOf part_;
   T start_ = x_.t;
-  int short_ = 0;        ///< steps in a row that are next to nothing
-  T least_size_ = T(1);  ///< of a state that small differences are held against
+  int short_ = 0;        ///< consecutive steps shorter than `tiny`, see `patience`
+  T least_size_ = T(1);  ///< lower bound on the size that errors are relative to
   std::array<X, columns> table_{};
 };
 

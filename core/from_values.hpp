@@ -1,4 +1,4 @@
-// From a card's values to an aggregate and back.
+// Conversion of the values of a card's parameters to an aggregate.
 #pragma once
 
 #include <span>
@@ -9,7 +9,8 @@
 
 namespace least {
 
-/// An aggregate with the values of a card's parameters, and what stands after them.
+/// from_values returns a C whose members have these values, in the order of `fields`; values after those are the custom
+/// weights of its composition.
 template <class C, class Fields>
 C from_values(const Fields& fields, std::span<const double> values) {
   C c;
@@ -19,7 +20,7 @@ C from_values(const Fields& fields, std::span<const double> values) {
         (field.set(c, values[i++]), ...);
       },
       fields);
-  if constexpr (requires { c.composition; })  // after them its weights, where it has its own
+  if constexpr (requires { c.composition; })  // the values after the fields are custom weights
     c.composition =
         decltype(c.composition)(static_cast<double>(c.composition), values.subspan(std::tuple_size_v<Fields>));
   return c;

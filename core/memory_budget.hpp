@@ -1,5 +1,5 @@
-// The memory that all requests of a process share, and what each of them holds of it. What a request makes is counted
-// before it is made, and given back where that ends.
+// The memory that all requests of a process share, and how much of it each of them holds. A request counts memory
+// before it allocates it, and gives it back when it frees it.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,12 @@
 
 namespace least {
 
-/// Bytes that all together may hold. Safe from any thread.
+/// MemoryBudget bounds the bytes that all requests together may hold. Any thread may call it.
 class MemoryBudget {
  public:
   explicit MemoryBudget(std::size_t bytes) : most_(bytes) {}
 
-  /// False, and nothing taken, where it would be too much.
+  /// Takes so many bytes; returns false, and takes none, where the bound would be exceeded.
   bool take(std::size_t bytes) {
     std::size_t held = held_;
     do {
@@ -28,22 +28,23 @@ class MemoryBudget {
   std::size_t held() const { return held_; }
   std::size_t most() const { return most_; }
 
-  /// For those who wait for others to give back: whether this one is to give up, after so many seconds. One does at a
-  /// time, and then the others have another moment: what it gives back may be what they wait for.
+  /// gives_up(waited) says whether a caller that has waited so many seconds for memory is to give up. After half a
+  /// second of patience callers give up one at a time, a moment apart: what one of them gives back may be what the
+  /// others wait for.
   bool gives_up(double waited);
 
  private:
   const std::size_t most_;
   std::atomic<std::size_t> held_{0};
-  std::atomic<double> gave_up_{-1e9};  ///< when somebody last did, by steady_seconds
+  std::atomic<double> gave_up_{-1e9};  ///< when a caller last gave up, by steady_seconds
 };
 
-/// The budget has no more room.
+/// MemoryShortage is thrown where the budget does not allow an allocation.
 struct MemoryShortage : std::bad_alloc {
   const char* what() const noexcept override { return "no room in the memory that all requests share"; }
 };
 
-/// What one of them holds, given back at its end.
+/// Held is the part of the budget that one owner holds; its destructor gives it back.
 class Held {
  public:
   /// `budget` may be null: no bound.
@@ -59,25 +60,25 @@ class Held {
   }
 
   std::size_t bytes() const { return bytes_; }
-  /// At least so many bytes. False, and no more than before, where there are not so many.
+  /// Holds at least so many bytes. Returns false, and holds no more than before, where the budget does not allow that.
   bool grow_to(std::size_t bytes) {
     if (bytes <= bytes_ || !budget_) return true;
     if (!budget_->take(bytes - bytes_)) return false;
     bytes_ = bytes;
     return true;
   }
-  /// The same of this budget, where it held of none.
+  /// The same; a Held without a budget takes this one first.
   bool grow_to(MemoryBudget* budget, std::size_t bytes) {
     if (!budget_) budget_ = budget;
     return grow_to(bytes);
   }
   bool grow_by(std::size_t bytes) { return grow_to(bytes_ + bytes); }
-  /// So many bytes more; throws MemoryShortage.
+  /// Holds so many bytes more; throws MemoryShortage.
   void add(std::size_t bytes) {
     if (!grow_by(bytes)) throw MemoryShortage();
   }
-  /// The same, where others may be about to give back: waits for that, for a moment, as long as its thread's
-  /// computation is to go on.
+  /// The same, but waits a moment where other requests may give memory back, unless the computation of its thread is to
+  /// end (AskedByThread). Throws MemoryShortage.
   void add_soon(std::size_t bytes);
   void shrink_to(std::size_t bytes) { shrink_by(bytes_ - std::min(bytes, bytes_)); }
   void shrink_by(std::size_t bytes) {
@@ -92,7 +93,8 @@ class Held {
   std::size_t bytes_ = 0;
 };
 
-/// Room for so many numbers in a list that grows, held before it is taken; throws MemoryShortage.
+/// make_room reserves room for `size` elements in a growing list and counts the bytes in `held` first; throws
+/// MemoryShortage.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t size, Held& held) {
   const std::size_t before = list.capacity(), after = std::max(size, before + before / 2);
@@ -102,8 +104,8 @@ void make_room(std::vector<T>& list, std::size_t size, Held& held) {
   held.shrink_by(before * sizeof(T));
 }
 
-/// While it lives, what its thread derives from a scene is held of this budget: how much that is shows deep in a
-/// computation.
+/// While a HeldByThread lives, memory for what its thread derives from a scene is taken from this budget. The budget is
+/// thread-local because the amount is known only deep in a computation.
 class HeldByThread {
  public:
   explicit HeldByThread(MemoryBudget* budget) : before_(std::exchange(current(), budget)) {}
@@ -113,7 +115,7 @@ class HeldByThread {
 
   /// The thread's budget; null: no bound.
   static MemoryBudget* budget() { return current(); }
-  /// So many bytes of it; throws MemoryShortage.
+  /// Takes so many bytes of the thread's budget; throws MemoryShortage.
   static Held take(std::size_t bytes) {
     Held held(current());
     held.add(bytes);

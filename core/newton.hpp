@@ -11,8 +11,8 @@
 
 namespace least {
 
-/// The change of a velocity that moves the positions q by a few units in their last place within a step h: a force that
-/// varies with q is not known better, whatever the velocity. Infinite for h = 0.
+/// grain_of returns the change of a velocity that moves the positions q by a few units in their last place within a
+/// step h: where the force varies with q, no velocity can be found to better accuracy. Infinite for h = 0.
 template <std::size_t N, class T, class S>
 T grain_of(const std::array<T, N>& q, const S& h) {
   using least::abs;
@@ -21,10 +21,10 @@ T grain_of(const std::array<T, N>& q, const S& h) {
   return size / abs(h);
 }
 
-/// Which of N unknowns a system has: all of them.
+/// AllUnknowns selects all unknowns of a system.
 struct AllUnknowns {};
-/// Or those in these places: a class of problem with room for more coordinates than a scene has leaves the unknowns of
-/// the others as they are.
+/// SomeUnknowns selects the unknowns at the first `count` entries of `place`. A class of problem with room for more
+/// coordinates than its scene has solves only for those that the scene has; the other unknowns keep their values.
 template <int N>
 struct SomeUnknowns {
   std::array<std::uint8_t, std::size_t(N)> place{};
@@ -37,7 +37,8 @@ struct SomeUnknowns {
   }
 };
 
-/// Of N unknowns in blocks of `Width`, each of which begins with one for every coordinate that P has room for.
+/// unknowns_of selects the unknowns that the problem has. The N unknowns form blocks of `Width`, whose first P::dof
+/// belong to one coordinate each; unknowns of coordinates that the problem does not have are left out.
 template <int N, int Width, class P>
 constexpr auto unknowns_of([[maybe_unused]] const P& problem) {
   if constexpr (requires { problem.coordinates(); }) {
@@ -58,7 +59,8 @@ inline constexpr bool carries_slopes = false;
 template <class T, int K>
 inline constexpr bool carries_slopes<Dual<T, K>> = true;
 
-/// One round of Newton's method: by how much x is off.
+/// newton_update returns J⁻¹r(x), which a round of Newton's method subtracts from x; J is the Jacobian of the residual
+/// r.
 template <int N, class T, class F>
 requires(!carries_slopes<T>) Vec<N, T> newton_update(const Vec<N, T>& x, AllUnknowns, F&& residual) {
   Vec<N, Dual<T, N>> u;
@@ -72,8 +74,8 @@ requires(!carries_slopes<T>) Vec<N, T> newton_update(const Vec<N, T>& x, AllUnkn
   }
   return LinearSolver<T>::solve(jacobian, right);
 }
-/// The same of some unknowns, with a Jacobian of a few columns at a time. In numbers that carry slopes it is that of
-/// their values alone: a Jacobian that carries slopes as well is several times as much code.
+/// The same for some of the unknowns, with a few columns of the Jacobian at a time. For numbers that carry slopes the
+/// Jacobian is that of their values alone: one with slopes as well would be several times as much code.
 template <int N, class T, class F>
 Vec<N, T> newton_update(const Vec<N, T>& x, const SomeUnknowns<N>& some, F&& residual) {
   using Plain = typename Underlying<T>::type;
@@ -127,10 +129,11 @@ requires(carries_slopes<T>) Vec<N, T> newton_update(const Vec<N, T>& x, AllUnkno
 }
 }  // namespace detail
 
-/// Solves residual(x) = 0 from the guess x. residual takes and gives Vec<N, U> for any number U; `scale` is the size of
-/// a solution's components and `grain` the size below which an update means nothing (see `grain_of`). Ends when the
-/// update is below ε^¾·scale + grain, where the next one would be below round-off; derivatives that ride along converge
-/// a round later. `evaluations`: force evaluations per residual. On failure x is not a solution.
+/// newton solves residual(x) = 0 from the guess x. `residual` takes and returns Vec<N, U> for any number U; `scale` is
+/// the size of a solution's components and `grain` the size below which an update is only round-off (see `grain_of`).
+/// It ends when the update is below ε^¾·scale + grain, since the next one would be below round-off, and one round later
+/// for derivatives in dual numbers, which converge a round later. `evaluations`: force evaluations per residual. On
+/// failure x is not a solution.
 template <int N, class T, class F, class Unknowns>
 StepStatus newton(Vec<N, T>& x, const Unknowns& unknowns, const T& scale, const T& grain, F&& residual, int evaluations,
                   Work& work) {

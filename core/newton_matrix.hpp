@@ -1,8 +1,8 @@
-// The matrix of Newton's method for systems whose number of unknowns is known only when they run: made of plain numbers
-// now and then, it solves for many right sides in between. Few unknowns are solved for by the inverse, whose product
-// with a right side costs least; many by the factors L and U, which are made in a third of the operations. Sources:
-// Golub & Van Loan, Matrix Computations, 2013, 3.4; Householder, The Theory of Matrices in Numerical Analysis, 1964,
-// 5.3 (Gauss–Jordan elimination in place).
+// The matrix of Newton's method for systems whose number of unknowns is known only at run time. It is computed in plain
+// numbers now and then, and solves for many right sides in between. For few unknowns it keeps the inverse, whose
+// product with a right side costs least; for many the factors L and U, which take a third of the operations to compute.
+// Sources: Golub & Van Loan, Matrix Computations, 2013, 3.4; Householder, The Theory of Matrices in Numerical Analysis,
+// 1964, 5.3 (Gauss–Jordan elimination in place).
 #pragma once
 
 #include <cmath>
@@ -17,11 +17,12 @@
 
 namespace least {
 
-/// Not copied: who is copied shares it. Nothing is allocated once it is made, but by the factors of many unknowns what
-/// products of matrices take for a moment.
+/// NewtonMatrix solves A x = b for n unknowns. It cannot be copied; copies of its owner share it. After construction it
+/// allocates nothing, except temporary memory for matrix products while it factors many unknowns.
 class NewtonMatrix {
  public:
-  /// Unknowns up to which the inverse is made: from there on it takes longer than L and U and five solutions by them.
+  /// The largest n for which it computes the inverse: for more unknowns the inverse takes longer than L and U and five
+  /// solutions with them.
   static constexpr std::size_t most_inverted = 24;
 
   explicit NewtonMatrix(std::size_t unknowns) : n_(unknowns) {
@@ -36,18 +37,19 @@ class NewtonMatrix {
   }
 
   std::size_t size() const { return n_; }
-  /// Whether rounds take so long that who makes them asks whether to go on (AskedByThread).
+  /// Whether rounds take so long that callers ask in between whether to go on (AskedByThread).
   bool is_large() const { return factors_ != nullptr; }
-  /// Row by row: written whole before each call of `factor`, which spoils them.
+  /// entries() is A, n × n, row-major. The caller writes all of it before each call of `factor`, which overwrites it.
   double* entries() { return factors_ ? factors_->entries() : inverse_.data(); }
-  /// Makes it ready to solve. False: it is not to go on (AskedByThread), which it asks where there are many unknowns.
+  /// factor() computes the inverse or the factors of A. Returns false where the computation is to end; only for many
+  /// unknowns does it ask that (AskedByThread).
   bool factor() {
     if (factors_) return factors_->factor();
     invert();
     return true;
   }
-  /// x with A x = b, which are two lists. Of numbers that carry derivatives each is solved for by the plain numbers of
-  /// A. What is found is not finite where A has no inverse.
+  /// solve writes the x with A x = b; x and b must not overlap. For numbers that carry derivatives, A applies to values
+  /// and derivatives alike. The result is not finite where A is singular.
   template <class T>
   void solve(const T* b, T* x) {
     if (factors_) {
@@ -63,7 +65,7 @@ class NewtonMatrix {
   }
 
  private:
-  /// By elimination in place, with pivots from each column.
+  /// invert() uses Gauss–Jordan elimination in place, with partial pivoting.
   void invert() {
     double* const a = inverse_.data();
     const std::size_t n = n_;
@@ -90,7 +92,7 @@ class NewtonMatrix {
         for (std::size_t i = 0; i < n; ++i) std::swap(a[i * n + k], a[i * n + exchanged_[k]]);
   }
 
-  /// `part`: which plain number of a number, or of what it carries, is solved for.
+  /// `part(number)` refers to the component of a number, its value or one of its slopes, that is solved for.
   template <class Number, class T, class Part>
   void solve_parts(const T* b, T* x, Part&& part) {
     if constexpr (detail::carries_slopes<Number>) {
@@ -111,7 +113,7 @@ class NewtonMatrix {
   std::vector<double> inverse_;
   std::vector<std::size_t> exchanged_;
   std::unique_ptr<DenseFactors> factors_;
-  std::vector<double> part_;  ///< of a right side
+  std::vector<double> part_;  ///< a right side in plain numbers
   Held held_;
 };
 

@@ -1,5 +1,5 @@
-// The parameters of a problem in another number. A problem is an aggregate, so its members are found by their order;
-// which of them a field of its card means, by their place.
+// The parameters of a problem in another number type. A problem is an aggregate, so its members are reached in the
+// order of their declaration; the member that a field of its card means is recognized by its address.
 #pragma once
 
 #include <tuple>
@@ -15,8 +15,8 @@ inline constexpr std::size_t count = 0;
 template <template <class> class P, class R>
 inline constexpr std::size_t count<P<R>> = std::tuple_size_v<std::remove_cvref_t<decltype(About<P>::fields)>>;
 
-/// The members, as references, in the order of their declaration. Each has a field in the card, or this does not
-/// compile.
+/// members(problem) returns references to the members in the order of their declaration. It compiles only if the card
+/// has one field for each member.
 template <class P>
 constexpr auto members(P& problem) {
   constexpr std::size_t n = count<std::remove_const_t<P>>;
@@ -42,7 +42,7 @@ constexpr auto members(P& problem) {
   }
 }
 
-/// f(member of a, same member of b) for each, whatever numbers the two are made of.
+/// Calls f(member of a, same member of b) for each member; the two may be made of different numbers.
 template <class A, class B, class F>
 constexpr void for_each_pair(A& a, B& b, F&& f) {
   const auto from = members(a);
@@ -51,7 +51,7 @@ constexpr void for_each_pair(A& a, B& b, F&& f) {
   (std::make_index_sequence<std::tuple_size_v<std::remove_const_t<decltype(from)>>>{});
 }
 
-/// The same problem in the number R: each member converted, choices as they are.
+/// in<R>(problem) returns the same problem in the number R: each number is converted, choices are copied.
 template <class R, template <class> class P>
 constexpr P<R> in(const P<double>& problem) {
   P<R> wide;
@@ -59,7 +59,7 @@ constexpr P<R> in(const P<double>& problem) {
   return wide;
 }
 
-/// f(field) for each parameter that is a number.
+/// Calls f(field) for each parameter that is a number.
 template <template <class> class P, class F>
 constexpr void for_each_number(F&& f) {
   const auto one = [&]<class M>(const Field<P<double>, M>& field) {
@@ -68,7 +68,7 @@ constexpr void for_each_number(F&& f) {
   std::apply([&](const auto&... field) { (one(field), ...); }, About<P>::fields);
 }
 
-/// f(the member that the field means), in a problem of another number.
+/// Calls f with the member of `wide` that `field` describes; `wide` may be made of another number than the card.
 template <template <class> class P, class R, class F>
 constexpr void with_member(P<R>& wide, const Field<P<double>>& field, F&& f) {
   P<double> narrow;

@@ -1,5 +1,5 @@
-// A clock for problems that repeat in time: what a step needs of its times, tabulated over one period where a whole
-// number of steps makes one.
+// A clock for problems that are periodic in time: it tabulates what a step needs to know of its times over one period,
+// where a whole number of steps makes up a period.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ template <class P>
 concept Periodic = HasPhases<P> && requires(const P& m) {
   m.period();
 };
-/// Each lane of its parameters has a period of its own.
+/// PeriodicInLanes holds where each lane of the parameters has a period of its own.
 template <class P>
 concept PeriodicInLanes = Periodic<P> && !requires(const P& m) {
   { m.period() } -> std::convertible_to<double>;
@@ -24,15 +24,17 @@ concept PeriodicInLanes = Periodic<P> && !requires(const P& m) {
 
 namespace phases {
 inline constexpr double most_entries = 4096;
-inline constexpr double slack = 8 * std::numeric_limits<double>::epsilon();  ///< of a period that is a number of steps
+inline constexpr double slack =
+    8 * std::numeric_limits<double>::epsilon();  ///< relative, of a period made up of whole steps
 }  // namespace phases
 
-/// Entries (a phase, or a phase and what follows from it) at the given nodes (fractions of the step) of one step after
-/// the other. What is asked for out of turn, or with another step, is made. A value; copies share the table.
+/// PhaseClock gives the entries (a phase, or a phase and values derived from it) at the nodes of one step after the
+/// other; nodes are fractions of a step. Entries for a step out of sequence, or of another length, are computed instead
+/// of read from the table. Copies share the table.
 template <class Entry, class P, class S>
 class PhaseClock {
  public:
-  /// make(i, t) → the entry of the i-th node at the time t, for a step of the length `step`.
+  /// make(i, t) returns the entry of node i at the time t, for a step of the length `step`.
   template <class Make>
   PhaseClock(const P& problem, const S& start, double step, std::span<const S> nodes, Make&& make) {
     if constexpr (tabulates) {
@@ -60,7 +62,7 @@ class PhaseClock {
       }
     }
   }
-  /// The i-th node's entry of this step: the table's, else make(t), t being the node's time.
+  /// at returns the entry of node i of this step: from the table, or else make(t), where t is the time of the node.
   template <class Make>
   Entry at(std::size_t i, const S& t, Make&& make) const {
     if constexpr (tabulates)
@@ -90,8 +92,8 @@ requires(!Periodic<P>) class PhaseClock<Entry, P, S> {
   }
 };
 
-/// Lanes that repeat, each in its own way: nothing is tabulated, but a lane that alone would have a table is taken at
-/// the times of that table, so that it has the bits of a lone run.
+/// For lanes with different periods nothing is tabulated. A lane whose scene alone would have a table computes its
+/// entries at the times of that table, so that it has the bits of a lone run.
 template <class Entry, PeriodicInLanes P, class S>
 requires std::is_same_v<S, double>
 class PhaseClock<Entry, P, S> {

@@ -1,40 +1,41 @@
 // What a problem can offer, as concepts.
 //
-// A problem is `template <class R = double> struct X` in namespace least::problems, holding its parameters and nothing
-// else: numbers R, which may be lanes or dual numbers too, and enumerations for choices. It states its mechanics once,
-// generic in R, the number T of the state and S of time. What depends on a choice may branch; what depends on a number
-// goes through select or either. Every problem is one of three:
+// A problem is `template <class R = double> struct X` in namespace least::problems. Its members are its parameters and
+// nothing else: numbers R, which may also be lanes or dual numbers, and enumerations for choices. It states its
+// mechanics once, generic in R, in the number T of the state and in the number S of time. Code may branch on a choice,
+// but not on a number, which may be lanes: select or either does that. Every problem is of one of these kinds:
 //
 // Mechanical, `dof` degrees of freedom:
-//   potential(q, t)       V, the primary form; whether it depends on the time the compiler finds (`Autonomous`)
+//   potential(q, t)       V, the primary form; the compiler finds out whether it depends on the time (`Autonomous`)
 //   inverse_mass()        diagonal of g⁻¹ where the constant kinetic metric g is not the identity
-//   has_full_mass(), times_inverse_mass(p), times_mass(v)   where a constant g may be other than diagonal, which is
-//                         known when it runs: whether it is, g⁻¹p and g v
+//   has_full_mass(), times_inverse_mass(p), times_mass(v)   where a constant g may be full, which is known only at run
+//                         time: whether it is, g⁻¹p and g v
 //   metric(q)             g(q), symmetric and positive definite, where it depends on the configuration
-//   gradient(q, t)        ∇V by hand, where that pays (a law checks it against the potential)
-//   forces()              where g depends on q: ∂L/∂q as a function of q and v, where that is at hand
+//   gradient(q, t)        ∇V by hand, where that is faster (a law test checks it against the potential)
+//   forces()              where g depends on q: ∂L/∂q as a function of (q, v), where there is one
 //   exact(x0, t)          the solution, where there is a closed form (scalar numbers only); `exact_applies(x0)` says
 //                         for which starts, where it does not hold for all
 //   invariants(q, p, t)   what the exact motion conserves besides energy
 // Contact, the same with one of
 //   damping() or damping(t)           α: H = K + V + α(t) s; the motion in (q, p) never reads s
-//   damping_integral(t)               ∫α up to the time t itself, where α(t) has a closed one (a law checks it)
+//   damping_integral(t)               ∫α dt up to the time t (never a phase), where it has a closed form (a law test
+//                                     checks it)
 //   action_curvature() and offset()   γ and R: H = K + V + γs²/2 − R
 // General, `dof` degrees of freedom:
 //   hamiltonian(q, p, s, t)           H, and
 //   slopes(q, p, s, t)                its first derivatives
 //   lagrangian(q, v, s, t)            where it is known: L with its first derivatives
-//   coordinates(), reads_action()     how many of them it has; whether the motion depends on s, which rests otherwise
+//   coordinates(), reads_action()     the number of its coordinates; whether the motion depends on s (else s rests)
 // Flow, `dim` variables, not mechanical:
 //   field(y, t)                       ẏ
 //   flow(Piece<i>, y, h, t)           `pieces` exact flows over h, time frozen at t, whose fields add up to ẏ
 //   energy(y, t)                      where there is one; `keeps_energy` where the motion keeps it
 //
 // For all:
-//   phases(t)             what the mechanics needs to know of a time, where that is dear; it then stands for t in every
-//                         function above, and is computed once a step. `period()`: how often it repeats.
+//   phases(t)             what the mechanics needs to know of a time, where that is expensive to compute; it takes the
+//                         place of t in every function above, and is computed once a step. `period()`: its period.
 //   frequency_squared(q)  estimate of the largest squared local frequency, where a step can be too long for it
-//   careful_step          ωh from which a run warns, where half the stability bound is too late
+//   careful_step          the ωh from which a run warns, where that has to be below half the stability bound
 // Everything else (vector field, Hamiltonian, Lagrangian, their derivatives) follows: core/equations.hpp.
 // Notation: K = ½ g_ij v^i v^j = ½ pᵀg⁻¹p, H = K + V (+ αs | + γs²/2 − R), L = p·v − H. Contact form η = ds − p·dq.
 #pragma once
@@ -52,7 +53,7 @@ template <class P>
 concept HasPhases = requires(const P& m, double t) {
   m.phases(t);
 };
-/// What the mechanics needs to know of the time t: t itself, unless the problem says otherwise.
+/// phase(m, t) returns what the mechanics needs to know of the time t: m.phases(t), or t itself.
 template <class P, class S>
 constexpr auto phase(const P& m, const S& t) {
   if constexpr (HasPhases<P>) {
@@ -70,12 +71,13 @@ template <class P>
 concept ConfigurationMetric = Potential<P> && requires(const P& m, const Vec<P::dof>& q) {
   { m.metric(q) } -> std::same_as<Mat<P::dof>>;
 };
-/// ∂L/∂q at fixed v as a function of its own, forces()(q, v), that outlives the problem's copies.
+/// HasLagrangianForces: forces() returns ∂L/∂q at fixed v as a function of (q, v) that does not refer to the problem,
+/// so that it outlives it.
 template <class P>
 concept HasLagrangianForces = ConfigurationMetric<P> && requires(const P& m, const Vec<P::dof>& q) {
   { m.forces()(q, q) } -> std::same_as<Vec<P::dof>>;
 };
-/// α does not change in time, so what follows from it is computed once a run.
+/// ConstantDamping: α is constant in time, so values derived from it are computed once a run.
 template <class P>
 concept ConstantDamping = Potential<P> && requires(const P& m) {
   m.damping();
@@ -107,8 +109,8 @@ struct HamiltonianSlopes {
   Vec<N, T> by_q, by_p;
   T by_s;
 };
-/// Any H(q, p, s, t), of which no more is known; the state carries s, which rests where H does not read it:
-/// reads_action() says so.
+/// GeneralHamiltonian: any H(q, p, s, t) of no particular form. The state always carries s, which stays constant where
+/// reads_action() is false.
 template <class P>
 concept GeneralHamiltonian = requires(const P& m, const Vec<P::dof>& q) {
   { m.hamiltonian(q, q, 0.0, phase(m, 0.0)) } -> std::convertible_to<double>;
@@ -124,7 +126,7 @@ template <class P>
 concept VectorField = Potential<P> || GeneralHamiltonian<P> || Flow<P>;
 
 namespace detail {
-/// The problem with parameters that are numbers R.
+/// WithParameters<P, R>::type is the problem P with parameters that are numbers R.
 template <class P, class R>
 struct WithParameters {
   using type = P;
@@ -133,12 +135,13 @@ template <template <class> class P, class Own, class R>
 struct WithParameters<P<Own>, R> {
   using type = P<R>;
 };
-/// What is known of the mechanics only when it runs: it says so itself.
+/// SaysReadsTime: a problem whose mechanics is known only at run time declares itself whether it depends on time.
 template <class P>
 concept SaysReadsTime = requires {
   P::reads_time;
 };
-/// Whether V, evaluated at a time and a state that the time has not touched, is touched by it.
+/// potential_reads_time() returns whether V or ∇V depends on the time t explicitly: it evaluates them in numbers that
+/// track dependence on t.
 template <Potential P>
 constexpr bool potential_reads_time() {
   if constexpr (SaysReadsTime<P>) {
@@ -153,7 +156,7 @@ constexpr bool potential_reads_time() {
     return seen.touched;
   }
 }
-/// The same of the mechanics of P.
+/// reads_time() returns the same for all of the mechanics of P.
 template <class P>
 constexpr bool reads_time() {
   if constexpr (SaysReadsTime<P>) {
@@ -173,18 +176,18 @@ constexpr bool reads_time() {
 }
 }  // namespace detail
 
-/// The equations of motion do not depend on the time: nobody has to say so, the compiler looks. Whether they do is a
-/// matter of their form, not of their parameters: a drive of amplitude 0 is one.
+/// Autonomous: the equations of motion do not depend on the time, as the compiler finds out. That is a matter of their
+/// form, not of their parameters: equations with a drive of amplitude 0 are not autonomous.
 template <class P>
 concept Autonomous = VectorField<P> && !detail::reads_time<P>();
-/// V changes in time.
+/// PotentialReadsTime: V depends on the time.
 template <class P>
 concept PotentialReadsTime = Potential<P> && detail::potential_reads_time<P>();
 
-/// One of the parts a field is split into.
+/// Piece<i> names part i of the field of a split flow.
 template <int I>
 using Piece = std::integral_constant<int, I>;
-/// A flow that is a sum of parts with exact flows.
+/// SplitFlow: the field is a sum of parts with known exact flows.
 template <class P>
 concept SplitFlow = Flow<P> && requires(const P& m, const Vec<P::dim>& y) {
   { m.flow(Piece<P::pieces - 1>{}, y, 0.0, phase(m, 0.0)) } -> std::same_as<Vec<P::dim>>;
@@ -210,7 +213,8 @@ struct StateFor<P, T, S, Full> {
 };
 }  // namespace detail
 
-/// How many coordinates a scene has, where its class may have room for more.
+/// coordinates_of returns the number of coordinates of a scene, which is smaller than P::dof where its class has room
+/// for more.
 template <class P>
 constexpr std::size_t coordinates_of([[maybe_unused]] const P& m) {
   if constexpr (requires { m.coordinates(); }) {
@@ -220,7 +224,8 @@ constexpr std::size_t coordinates_of([[maybe_unused]] const P& m) {
   }
 }
 
-/// Whether a scene has the i-th component of its states: others rest, where there is room for more than it has.
+/// has_component returns whether the scene has component i of its state; where the class has room for more components
+/// than the scene has, the others stay constant.
 template <class P>
 constexpr bool has_component([[maybe_unused]] const P& m, [[maybe_unused]] std::size_t i) {
   if constexpr (GeneralHamiltonian<P>)
@@ -232,10 +237,10 @@ constexpr bool has_component([[maybe_unused]] const P& m, [[maybe_unused]] std::
   return true;
 }
 
-/// The state that the motion needs.
+/// StateOf is the state that the motion needs.
 template <class P, class T = double, class S = double>
 using StateOf = typename detail::StateFor<P, T, S, false>::type;
-/// The same with s wherever the scene has one.
+/// FullStateOf also carries s wherever the scene has one.
 template <class P, class T = double, class S = double>
 using FullStateOf = typename detail::StateFor<P, T, S, true>::type;
 
@@ -279,10 +284,11 @@ constexpr bool frequency_reads_place() {
   return Dependence(typename WithParameters<P, Dependence>::type{}.frequency_squared(q)).touched;
 }
 }  // namespace detail
-/// It is the same everywhere: that of a linear oscillation, or a bound that does not look where it is.
+/// ConstantFrequency: frequency_squared(q) does not depend on q, as for a linear oscillation or a global bound.
 template <class P>
 concept ConstantFrequency = HasFrequency<P> && !detail::frequency_reads_place<P>();
-/// What the motion keeps besides the energy, at a state: invariants(q, p, t), of a flow invariants(y, t).
+/// invariants_at returns the conserved quantities besides the energy: invariants(q, p, t), or invariants(y, t) of a
+/// flow.
 template <class P, class X>
 constexpr auto invariants_at(const P& m, const X& x) {
   if constexpr (requires { m.invariants(x.q, x.p, x.t); }) {

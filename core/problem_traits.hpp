@@ -1,17 +1,18 @@
-// What a run needs of a scene beyond its mechanics: which state it carries, how a list of variables becomes a state,
-// and what else the problem can say of itself to diagnostics. A problem may offer, as members,
+// What a run needs of a scene beyond its mechanics: the state that it carries, the conversion of a list of variables to
+// a state, and what else the problem offers to diagnostics. A problem may offer, as members,
 //   section(q)                  a quantity whose zeros are reported
 //   oscillates                  a flow in (x, v) whose limit cycle has a period and an amplitude
 //   carries_slope               a flow in (x, v) whose slope dv/dx along a tangent direction can be carried
-//   inside(q), bounded()        a quantity that must not become negative where bounded() says so
+//   inside(q), bounded()        a quantity that must not become negative if bounded() is true
 //   series(t), series_until     the regular solution from t = 0, where the equations of motion are singular there
-//   entropy(y)                  never falls
-//   moments(y), moment_names    averages over time along the orbit,
-//   log_weight(y), log_rate(y)  with a weight, and over a physical time that passes at a rate, by their logarithms
-//   stiffness_rate()            a run warns where a step is half its inverse
+//   entropy(y)                  a quantity that never decreases
+//   moments(y), moment_names    quantities whose averages along the orbit are reported,
+//   log_weight(y), log_rate(y)  ln of their weight in an average over the run's time τ, and ln dt/dτ of the physical
+//                               time t for an average over t
+//   stiffness_rate()            a rate; a run warns where a step is longer than half its inverse
 //   quantities(y, t)            further columns
-//   gravitational_parameter()   μ of an orbit about the origin, p being the velocity: its elements are said
-//   log_gradient(q, factor)     factor·∇ln|V|, where that is less to compute than V and ∇V
+//   gravitational_parameter()   μ of an orbit about the origin, where p is the velocity: a run reports its elements
+//   log_gradient(q, factor)     factor·∇ln|V|, where that costs less than V and ∇V
 #pragma once
 
 #include <cmath>
@@ -76,17 +77,17 @@ constexpr double value_of(const Dual<T, K>& x) {
   return value_of(x.value);
 }
 
-/// A number with one direction of a tangent space: carries the slope of a flow.
+/// Slope is a number with its derivative along one tangent direction.
 using Slope = Dual<double, 1>;
 template <class X>
 concept Sloped = std::is_same_v<typename X::Number, Slope>;
 
-/// The state a run carries when all that the caller can ask for is asked for.
+/// FullRunState is the state of a run that is asked for everything.
 template <class P>
 using FullRunState =
     std::conditional_t<CarriesSlope<P>, typename StateOf<P>::template in<Slope, double>, FullStateOf<P>>;
 
-/// The numbers of a state, without its tangent direction.
+/// plain(x) returns the state without its tangent direction.
 template <class X>
 constexpr auto plain(const X& x) {
   typename X::template in<double, double> y;
@@ -95,15 +96,15 @@ constexpr auto plain(const X& x) {
   return y;
 }
 
-/// Takes a tangent direction that has become very long or short to length 1: only its direction means something.
-/// `count`: its components.
+/// normalise_slopes scales a tangent vector of `count` components to largest component 1 once it has become very long
+/// or very short; only its direction has a meaning.
 inline void normalise_slopes(double* slope, std::size_t count) {
   double size = 0;
   for (std::size_t i = 0; i < count; ++i) size = std::max(size, std::abs(slope[i]));
   if (size > 1e50 || (size > 0 && size < 1e-50))
     for (std::size_t i = 0; i < count; ++i) slope[i] /= size;
 }
-/// The same where slopes stand beside their values.
+/// The same for a state that carries the vector as the slopes of its first `count` components.
 template <class X>
 void normalise(X& x, std::size_t count) {
   double size = 0;
@@ -116,7 +117,8 @@ void normalise(X& x) {
   normalise(x, X::size);
 }
 
-/// The state that a list of the card's variables describes. A slope that is not a number is the flow's own.
+/// start_of returns the state at t with the values of the card's variables. The last variable of a Sloped state is the
+/// slope dv/dx; NaN stands for the direction of the flow itself.
 template <class X, class P>
 X start_of(const P& problem, const std::vector<double>& variables, double t) {
   X x;
@@ -131,7 +133,8 @@ X start_of(const P& problem, const std::vector<double>& variables, double t) {
   return x;
 }
 
-/// The i-th variable of the card at a state: unknown where the state does not carry it, or at a pole.
+/// variable returns variable i of the card at a state: `unknown` where the state does not carry it, or where the slope
+/// is infinite.
 template <class X>
 double variable(const X& x, std::size_t i) {
   if (i < X::size) return value_of(x[i]);
@@ -140,7 +143,7 @@ double variable(const X& x, std::size_t i) {
   return unknown;
 }
 
-/// The regular solution that begins at t = 0, at t ≤ series_until.
+/// series_state returns the regular solution from t = 0 at a time 0 ≤ t ≤ series_until.
 template <class X, HasSeries P>
 X series_state(const P& problem, const typename X::Time& t) {
   X x;
@@ -149,7 +152,7 @@ X series_state(const P& problem, const typename X::Time& t) {
   x.t = t;
   return x;
 }
-/// Whether x is on that solution, as far as the series reaches.
+/// starts_series returns whether x lies on that solution, exactly and at a time that the series covers.
 template <class P, class X>
 bool starts_series(const P& problem, const X& x) {
   if constexpr (HasSeries<P>) {
@@ -164,14 +167,14 @@ bool starts_series(const P& problem, const X& x) {
   }
 }
 
-/// Of the domain of the motion.
+/// outside returns whether x lies outside the domain of the motion.
 template <class P, class X>
 bool outside([[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
   if constexpr (HasDomain<P>) return problem.bounded() && !(problem.inside(position(x)) >= 0);
   return false;
 }
 
-/// The energy; at the singular start of a series its limit.
+/// energy_of returns the energy; at the singular start t = 0 of a series that of the series at t = 1e-9.
 template <class P, class X>
 double energy_of(const P& problem, const X& x) {
   if constexpr (HasSeries<P>)
@@ -179,7 +182,7 @@ double energy_of(const P& problem, const X& x) {
   return energy(problem, x);
 }
 
-/// The quantities whose changes of sign are events.
+/// sections returns the quantities whose zeros are events.
 template <class P, class X>
 auto sections(const P& problem, const X& x) {
   if constexpr (HasSection<P>) {

@@ -1,12 +1,13 @@
-// What a scheme is: a value with its parameters, able to bind itself to a problem that offers what it needs.
-//   scheme.bind(problem, x) → stepper       constrained by the concept the scheme asks for; evaluates at x what the
-//                                           first step re-uses (a force)
-//   stepper.step(x, h) noexcept → StepStatus    one attempt: x.q and x.p move by h; x.t is read, the clock is the
-//   driver's;
-//                                           of a state in lanes StatusOf<Number>, one for each lane
-//   stepper.work()                          what it cost so far, exactly
-// A stepper is a value: copy it with the state to try a step and take it back. What it keeps between steps depends on
-// the state alone, so steps from a copy have the same bits.
+// A scheme is a value with its parameters that can bind itself to a problem which offers what the scheme needs.
+//   scheme.bind(problem, x) → stepper           constrained by the concept that the scheme requires; evaluates at x
+//   what
+//                                               the first step re-uses (a force)
+//   stepper.step(x, h) noexcept → StepStatus    one attempt to move x.q and x.p by a time h; reads x.t, but its caller
+//                                               advances it. For a state in lanes it returns StatusOf<Number>, one
+//                                               status for each lane
+//   stepper.work()                              exact cost of all steps so far
+// A stepper is a value: to undo a trial step, copy stepper and state first. The memory of a stepper between steps
+// depends on the state alone, so steps of a copy have the same bits.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ namespace least {
 template <class T, int K>
 struct StatusFor<Dual<T, K>> : StatusFor<T> {};
 
-/// Ends a step of which something went well: what it made replaces what was there, except in lanes that failed.
+/// take writes the result `made` of a step to x; `good` is a mask of the lanes that did not fail, the others keep x.
 template <class X, class M>
 constexpr void take(X& x, const X& made, const M& good) {
   if constexpr (std::is_same_v<M, bool>) {
@@ -40,8 +41,9 @@ constexpr void take(std::array<T, N>& x, const std::array<T, N>& made, const M& 
   for (std::size_t i = 0; i < N; ++i) x[i] = select(good, made[i], x[i]);
 }
 
-/// Needs rates alone, which are numbers wherever the equations of motion are: where H has γs²/2 such a step has no flow
-/// of s in it, and so not the pole of that flow.
+/// OfRatesAlone: a step evaluates only the right side of the equations of motion, which is finite wherever they are
+/// defined. Where H has γs²/2, such a step does not use the exact flow of s, so the pole of that flow does not matter
+/// to it.
 template <class S>
 concept OfRatesAlone = requires {
   requires S::of_rates_alone;
@@ -50,7 +52,7 @@ concept OfRatesAlone = requires {
 template <class S, class P, class X>
 using StepperOf = decltype(std::declval<const S&>().bind(std::declval<const P&>(), std::declval<const X&>()));
 
-/// S can run P on states X: derived by the compiler from what bind asks for.
+/// FixedStepSchemeFor: S can run P on states X, as the compiler derives from the constraints of bind.
 template <class S, class P, class X = StateOf<P>>
 concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const typename X::Time& h) {
   { stepper.step(x, h) }
@@ -58,20 +60,22 @@ concept FixedStepSchemeFor = requires(StepperOf<S, P, X> stepper, X& x, const ty
   { stepper.work() } -> std::convertible_to<Work>;
 };
 
-/// A scheme that sets its own clock: a step moves x.t as well, by what the scheme finds right.
-///   scheme.bind(problem, x, energy) → stepper   `energy` is the level that the run began with
+/// SelfTimed is a scheme that sets its own clock: a step moves x.t as well, by a time that the scheme chooses.
+///   scheme.bind(problem, x, energy) → stepper   `energy` is the energy (or `level`) at the start of the run
 ///   stepper.step(x) noexcept → StepStatus           leaves x as it was where it fails
 ///   stepper.work()
 ///   stepper.active_method()                     optional: how the last step was taken
-///   scheme.level(problem, x)                    optional: what stands for the energy of a run from x instead of H
-///   scheme.asks_no_level                        optional: `energy` is of no use to it, and is 0
-///   stepper.step_within(x, most) → StepStatus   optional: a step that is at most so long; such a run ends with it. As
-///                                               (x, most, late) it is told by how much rounding has made x.t too late
-///   stepper.parts                               optional: into so many parts a step is divided by whoever looks for
-///                                               changes of sign
-///   stepper.reach(x, t) → StepStatus            optional: x moved to the time t, which lies within one step from x,
-///                                               by a part of a step; else quintic Hermite interpolation fills in
-/// Time is part of what a step computes, so it is made of the same number as the state.
+///   scheme.level(problem, x)                    optional: replaces H as the energy of a run from x
+///   scheme.asks_no_level                        optional: `energy` is not used, and is 0
+///   stepper.step_within(x, most) → StepStatus   optional: a step of a length of at most `most`, the last of a run. The
+///                                               overload (x, most, late) is given the rounding error of x.t, positive
+///                                               where x.t is too late
+///   stepper.parts                               optional: number of parts of a step that a search for changes of sign
+///                                               looks at one by one
+///   stepper.reach(x, t) → StepStatus            optional: moves x to the time t, within one step from x, by a part of
+///   a
+///                                               step; without it, quintic Hermite interpolation gives states in a step
+/// A step computes the time as well, so time is made of the same number as the state.
 template <class S>
 concept SelfTimed = requires {
   requires S::own_clock;
@@ -86,15 +90,15 @@ concept SelfTimedSchemeFor = SelfTimed<S> && requires(SelfTimedStepperOf<S, P, X
   { stepper.work() } -> std::convertible_to<Work>;
 };
 
-/// A scheme that needs equations of motion as they are written on a tape and nothing else: bound to what a run asks of
-/// any problem (core/catalogue/equation_steps.hpp), it is compiled once for all.
+/// OnEquations: the scheme needs only the equations of motion recorded on a tape. It is therefore compiled once, for
+/// the interface that a run has to every problem (core/catalogue/equation_steps.hpp).
 template <class S>
 concept OnEquations = SelfTimed<S> && requires {
   requires S::on_equations;
 };
 
-/// The energy that such a run from x begins with, or what the scheme puts in its place; of a scene whose schemes do not
-/// ask for it nothing.
+/// energy_level returns the energy that a run of a SelfTimed scheme from x starts with, or the scheme's own level in
+/// its place; 0 where the scheme does not use one.
 template <class S, class P, class X>
 auto energy_level([[maybe_unused]] const S& scheme, [[maybe_unused]] const P& problem, [[maybe_unused]] const X& x) {
   constexpr bool asked = !requires { requires S::asks_no_level; };
@@ -109,19 +113,20 @@ auto energy_level([[maybe_unused]] const S& scheme, [[maybe_unused]] const P& pr
   }
 }
 
-/// How a step of a hybrid was taken.
+/// Mode says how a hybrid scheme took a step.
 enum class Mode : std::uint8_t { hamilton, jacobi_maupertuis };
 inline constexpr std::array<std::string_view, 2> mode_names{"hamilton", "jacobi_maupertuis"};
 struct ActiveMethod {
   Mode mode = Mode::hamilton;
-  int parameter = -1;  ///< which coordinate is the parameter in jacobi_maupertuis
+  int parameter = -1;  ///< index of the coordinate that is the parameter in jacobi_maupertuis
   friend constexpr bool operator==(const ActiveMethod&, const ActiveMethod&) = default;
 };
 
-// A scheme may also say, as const members: unsupported_reason(problem) → what it has against a scene, in words;
-// flips_from() and stiff_from(problem) → the αh from which a step turns the momentum over, or no longer resolves the
-// damping; starts_at_singularity(problem), see Integrator; and if it is variational, of its step of length h from a to
-// b without composition, step_energy(problem, a, b, h) → its discrete energy, see discrete_energy.
+// A scheme may also declare, as const members: unsupported_reason(problem) → why it does not take a scene, in words;
+// flips_from() and stiff_from(problem) → the αh from which a step reverses the momentum, or no longer resolves the
+// damping; starts_at_singularity(problem) → whether its step from rest at t = 0 holds although the equations of motion
+// are singular there; and if it is variational, step_energy(problem, a, b, h) → the discrete energy of its step of
+// length h from a to b without composition, see discrete_energy.
 
 /// The parameters that most schemes share.
 template <class C>
@@ -134,7 +139,8 @@ constexpr Field<C, Composition> composition_field() {
           compositions::names};
 }
 
-/// Orders by composition for a symmetric base: the composition's, or the base's own where that is higher.
+/// orders_from(base) returns the order of each composition of a symmetric scheme of order `base`: that of the
+/// composition for a base of order 2, but at least `base`.
 inline std::vector<std::pair<std::string, int>> orders_from(int base) {
   std::vector<std::pair<std::string, int>> orders;
   for (std::size_t i = 0; i < compositions::names.size(); ++i)

@@ -1,5 +1,5 @@
-// Newton's method with one matrix for many rounds, for systems whose number of unknowns is known only when they run.
-// The matrix is made of plain numbers, so derivatives that ride along converge with the solution, round by round.
+// Newton's method with one matrix for many rounds, for systems whose number of unknowns is known only at run time. The
+// matrix consists of plain numbers, so derivatives carried by dual numbers converge with the solution, round by round.
 // Source: Hairer & Wanner, Solving Ordinary Differential Equations II, 1996, IV.8.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace least {
 
-/// Allocates nothing in its rounds.
+/// SimplifiedNewton solves systems of `unknowns` equations. It allocates nothing after construction.
 template <class T>
 class SimplifiedNewton {
  public:
@@ -20,12 +20,12 @@ class SimplifiedNewton {
 
   NewtonMatrix matrix;
 
-  /// Solves residual(z) = 0 from the guess z: `residual(z, wrong)` writes what is wrong with z. `prepare(z)` makes the
-  /// matrix the Jacobian at z, with its factors; called at the guess, and anew where the rounds contract badly; false:
-  /// it is not to go on. `size`: of what the unknowns are known against, beside themselves: ends where an update is
-  /// lost in rounding of that. `weight(a)`: what brings the unknown a to the unit in which sizes are added up. On
-  /// failure z is not a solution; so it is where there are many unknowns and the thread is not to go on
-  /// (AskedByThread).
+  /// Solves residual(z) = 0 from the guess z. `residual(z, wrong)` writes the residual to `wrong`. `prepare(z)`
+  /// computes and factors the Jacobian at z in `matrix`, first at the guess and again where the rounds contract slowly;
+  /// it returns false where the computation is to end. The rounds end when Σ weight(a)·|change_a| is lost in the
+  /// rounding of size + Σ weight(a)·|z_a|; `weight(a)` brings unknown a to the common unit of these sums. Returns
+  /// solver_failed, and z is not a solution, if the rounds do not converge, or if there are many unknowns and the
+  /// thread is not to go on (AskedByThread).
   template <class Weight, class Residual, class Prepare>
   StepStatus solve(T* z, double size, Weight&& weight, Residual&& residual, Prepare&& prepare, Work& work) noexcept {
     double before = std::numeric_limits<double>::infinity();
@@ -49,7 +49,7 @@ class SimplifiedNewton {
     }
     return StepStatus::solver_failed;
   }
-  /// By how much z is off, with the matrix that there is; until the next call.
+  /// update returns J⁻¹·residual(z) with the current matrix J; the list is valid until the next call.
   template <class Residual>
   const T* update(const T* z, Residual&& residual) {
     residual(z, wrong_.data());

@@ -1,5 +1,5 @@
-// The state of a scene and nothing that the scene does not need. Every state is read in two ways: by its parts (q, p, s
-// or y), as mechanics does, and by its components x[0] … x[size − 1], as what is generic in the scene does.
+// The state of a scene, without components that the scene does not need. A state is read either by its parts (q, p, s
+// or y), as mechanics does, or by its components x[0] … x[size − 1], as generic code does.
 #pragma once
 
 #include <type_traits>
@@ -8,7 +8,7 @@
 
 namespace least {
 
-/// Absent action: the motion does not read s and nobody asked for it.
+/// NoAction stands for the action of a state that does not carry s: the motion does not read s and nobody asked for it.
 struct NoAction {
   template <class>
   using in = NoAction;
@@ -25,14 +25,14 @@ struct Action {
   friend constexpr bool operator==(const Action&, const Action&) = default;
 };
 
-/// Time t, coordinates q, momenta p, and s where A says so. N degrees of freedom; T is what the state is made of, S
-/// what time is. Components: q, p, s.
+/// State holds time t, coordinates q, momenta p, and s if A is Action. N degrees of freedom; T is the number type of q,
+/// p and s, S that of time. Components in order: q, p, s.
 template <int N, class T = double, class S = double, class A = NoAction>
 struct State {
   using Number = T;
   using Time = S;
   template <class U, class V = U>
-  using in = State<N, U, V, typename A::template in<U>>;  ///< the same in other numbers
+  using in = State<N, U, V, typename A::template in<U>>;  ///< the same state in other numbers
   static constexpr int dof = N;
   static constexpr bool acting = A::size > 0;
   static constexpr std::size_t size = 2 * N + A::size;
@@ -53,12 +53,12 @@ struct State {
 };
 static_assert(sizeof(State<1>) == 3 * sizeof(double));
 
-/// The extended space of a contact scene with n degrees of freedom: (q, t; p, p_t; s), of which its own time is no
-/// part.
+/// Extended is a point (q, t; p, p_t; s) of the extended space of a contact scene with n degrees of freedom; its own
+/// time member is not used.
 template <class P, class T = double>
 using Extended = State<P::dof + 1, T, T, Action<T>>;
 
-/// Time t and a point y of the phase space of a system that is not mechanical.
+/// Point holds time t and a point y of the phase space of a system that is not mechanical.
 template <int N, class T = double, class S = double>
 struct Point {
   using Number = T;
@@ -76,7 +76,7 @@ struct Point {
   friend constexpr bool operator==(const Point&, const Point&) = default;
 };
 
-/// The same state in another number; derivatives are zero, digits are kept.
+/// convert returns the same state in another number type, all digits kept and with zero derivatives.
 template <class T, class S, class X>
 constexpr typename X::template in<T, S> convert(const X& x) {
   typename X::template in<T, S> y;
@@ -85,7 +85,7 @@ constexpr typename X::template in<T, S> convert(const X& x) {
   return y;
 }
 
-/// The components that two states share, the rest of `to` as it was.
+/// assign copies t and the components that two states share; the other components of `to` stay as they are.
 template <class To, class From>
 constexpr To& assign(To& to, const From& from) {
   to.t = from.t;

@@ -8,7 +8,7 @@
 namespace least {
 namespace {
 
-/// A name without its index: of x[3], x3 and x_3 it is x.
+/// without_index returns x for x[3], x3 and x_3.
 std::string_view without_index(std::string_view name) {
   if (const std::size_t bracket = name.find('['); bracket != name.npos) return name.substr(0, bracket);
   std::size_t length = name.size();
@@ -19,7 +19,7 @@ std::string_view without_index(std::string_view name) {
 
 bool is_place(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
 
-/// What names of one kind have in common.
+/// kind_of returns a text that is the same for all names of one kind.
 std::string kind_of(std::string_view name) {
   const std::string_view base = without_index(name);
   if (is_place(base)) return "x";

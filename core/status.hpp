@@ -21,7 +21,7 @@ enum class ReturnCode : std::uint8_t {
   cancelled,
 };
 
-/// The id a client reads.
+/// name returns the id that a client reads.
 constexpr std::string_view name(ReturnCode reason) {
   constexpr std::string_view names[] = {"completed",
                                         "not_finite",
@@ -38,12 +38,12 @@ constexpr std::string_view name(ReturnCode reason) {
   return names[static_cast<std::size_t>(reason)];
 }
 
-/// What one step says of itself. A step that fails leaves the state as it was.
-/// `underflow`: the steps of a scheme that sets its own clock became too small to go on.
+/// StepStatus is the result of one step. A step that fails leaves the state as it was. `underflow`: the steps of a
+/// scheme that sets its own clock became too small to go on.
 enum class StepStatus : std::uint8_t { ok, solver_failed, singular, underflow };
 
-/// What a step says whose state is made of T. A number with lanes brings a status for each of them, made from one for
-/// all, with `all_failed` and `succeeded` beside it, so that a lane that fails does not fail the others.
+/// StatusOf<T> is the result of a step whose state is made of T. A number with lanes defines a status with one result
+/// per lane, with its own `all_failed` and `succeeded`, so that a lane that fails does not fail the others.
 template <class T>
 struct StatusFor {
   using type = StepStatus;
@@ -51,8 +51,8 @@ struct StatusFor {
 template <class T>
 using StatusOf = typename StatusFor<T>::type;
 
-/// Where the mask says so, a step that went well so far has failed. True: there is nothing left that goes on, and the
-/// step has to end.
+/// all_failed records the failure `why` where the mask `where` is set. It returns whether no lane goes on, in which
+/// case the step has to end.
 constexpr bool all_failed(StepStatus& status, bool where, StepStatus why) {
   if (where) [[unlikely]] {
     status = why;
@@ -62,9 +62,9 @@ constexpr bool all_failed(StepStatus& status, bool where, StepStatus why) {
 }
 constexpr bool succeeded(StepStatus status) { return status == StepStatus::ok; }
 
-/// The work of a run, counted exactly: a force evaluation is one evaluation of the potential (where a step depends on
-/// it), of its derivatives, of the Lagrangian's or of the vector field at one point, in whatever number; an iteration
-/// is one update of an implicit step's solver.
+/// Work counts the work of a run exactly. A force evaluation is one evaluation at one point, in any number type, of the
+/// potential (where a step depends on it), of its derivatives, of the Lagrangian's derivatives or of the vector field;
+/// an iteration is one update of the solver of an implicit step.
 struct Work {
   std::int64_t forces = 0, iterations = 0;
 };

@@ -135,8 +135,8 @@ struct Conflict {
 
 struct SchemeCard {
   std::string id{}, title{}, summary{};
-  std::vector<std::pair<std::string, int>>
-      orders{};  ///< by the name of a choice or an integer value; or one, without a name
+  /// By the name of a choice or the value of an integer parameter; a single one without a name if it is fixed.
+  std::vector<std::pair<std::string, int>> orders{};
   bool implicit = false, symmetric = false;
   std::string structure{};                  ///< symplectic | contact | volume | none
   bool keeps_momenta = false;               ///< conserves those of symmetries; implied where it has a structure

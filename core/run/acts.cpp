@@ -15,7 +15,7 @@ namespace {
 double number(double x) { return x; }
 double number(const Slope& x) { return x.value; }
 
-/// A state, or a state and its change along a direction.
+/// Moving is a state, or with T = Slope a state and its derivative along a direction.
 template <class T>
 struct Moving {
   T t;
@@ -61,7 +61,8 @@ Slope energy_at(const RunBackend& backend, const Moving<Slope>& state) {
   return {moved(0), {(moved(little) - moved(-little)) / (2 * little)}};
 }
 
-/// What expressions of an act are functions of: the variables, the energy, the velocities where there are some.
+/// observed_by returns the arguments of the expressions of an act: the variables, the energy, and the velocities if
+/// there are any.
 template <class T>
 std::vector<T> observed_by(const RunBackend& backend, const Scene& scene, const Measures& measures,
                            const Moving<T>& state, bool velocities) {
@@ -127,7 +128,7 @@ Acts::Effect Acts::act(std::size_t event, RunState& x) {
   constexpr std::size_t largest = 128;
   if (done.count < looked_at) {
     const double defect = x.size() <= largest ? defect_of(event, before, x) : unknown;
-    if (!(defect <= done.defect)) done.defect = defect;  // what is unknown stays so
+    if (!(defect <= done.defect)) done.defect = defect;  // NaN stays NaN
   }
   ++done.count;
   std::shift_right(done.times.begin(), done.times.end(), 1);
@@ -165,11 +166,11 @@ bool Acts::comes_to_rest(std::size_t event, const RunState& before, const RunSta
   const double arrived = rate_of(event, before), left = rate_of(event, after), last = std::exchange(done.rate, left);
   const double size = std::fmax(std::abs(arrived), std::abs(last));
   if (!(std::abs(left) <= nothing * size)) return false;
-  // One that was moved away from where this happens has a way to go before it happens again.
+  // A state that was moved away from the zero has some way to go before the event happens again.
   if (!(std::abs(value_of(event, after)) <= std::abs(value_of(event, before)) + rounding * rounding_of(event, after)))
     return false;
-  // What has no speed when it arrives, as a scheme may see it that makes one step of a short bounce, comes from the
-  // side to which the last act sent it.
+  // A state that arrives without speed, as after a scheme took a short bounce in one step, comes from the side to which
+  // the last act sent it.
   double onward = request_.events[event].direction;
   if (onward == 0) onward = std::abs(arrived) > nothing * size ? arrived : -last;
   const double little = 1e-6 * (after.t - request_.scene->start);
@@ -182,8 +183,8 @@ bool Acts::comes_to_rest(std::size_t event, const RunState& before, const RunSta
   return true;
 }
 
-/// Whether the last times lie as the powers of a ratio do, so near to their limit that the next ones are lost in what
-/// rounding makes of the time or of the state.
+/// has_piled_up returns whether the last times of an event form a geometric sequence so close to its limit that further
+/// events are lost in the rounding of the time or of the state.
 bool Acts::has_piled_up(std::size_t event, const RunState& after) {
   constexpr double near = 1e-7, alike = 0.05;
   const Done& done = done_[event];
@@ -216,8 +217,8 @@ double Acts::rounding_of(std::size_t event, const RunState& x) const {
 
 bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next) const {
   constexpr double little = 64;
-  if (rate_of(event, after) == 0) return false;  // what was left at rest begins anew
-  // A parabola between two zeros comes as far as a fourth of their distance at the rate with which it leaves the first.
+  if (rate_of(event, after) == 0) return false;  // a motion left at rest begins anew
+  // A parabola between two zeros reaches at most a quarter of their distance times its slope at the first.
   return std::abs(rate_of(event, after)) * until_next / 4 < little * rounding_of(event, after);
 }
 
@@ -232,7 +233,8 @@ double Acts::defect_of(std::size_t event, const RunState& before, const RunState
   backend_.table().rates(before, from.data());
   backend_.table().rates(after, to.data());
   std::vector<Slope> values(request_.watched.size());
-  const auto change = [&](const double* u, double dt, std::vector<double>& made) {  // of g; of the expression
+  // Derivatives along (u, dt): writes that of g to `made`, and returns that of the expression.
+  const auto change = [&](const double* u, double dt, std::vector<double>& made) {
     const Moving<Slope> state = along(before, u, dt);
     const Moving<Slope> image = made_of(backend_, scene, act, state);
     for (std::size_t i = 0; i < size; ++i) made[i] = image.x[i].slope[0];
@@ -241,7 +243,7 @@ double Acts::defect_of(std::size_t event, const RunState& before, const RunState
     return values[event].slope[0];
   };
   std::vector<double> in_time(size), jump(size), column(size);
-  const double passing = change(from.data(), 1, jump);  // along the motion: hᵀf₋ + h_t, and G f₋ + g_t
+  const double passing = change(from.data(), 1, jump);  // along the motion: hᵀf₋ + h_t, and `jump` = G f₋ + g_t
   for (std::size_t i = 0; i < size; ++i) jump[i] = to[i] - jump[i];
   TangentMap map;
   map.dof = traits.dof;

@@ -1,4 +1,4 @@
-// The clock of a run: measures its cost, keeps its deadline, hears its cancellation. Asked between blocks of steps.
+// The clock of a run: it measures the cost, and checks the deadline and the cancellation between blocks of steps.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ class Budget {
   Budget(double seconds, const std::atomic<bool>& cancelled, std::function<bool()> report)
       : end_(read_clock() + std::max(seconds, 0.0)), cancelled_(cancelled), report_(std::move(report)) {}
 
-  /// Begins to count the cost; what came before was preparation, which takes from the time and costs nothing. `weight`:
-  /// how many times as long as those of a small scene steps may take.
+  /// Starts to measure the cost. What came before was preparation: it counts for the deadline, but not as cost.
+  /// `weight` says how many times as long as those of a small scene steps may take.
   void start(std::int64_t weight = 1) {
     block_ = std::max<std::int64_t>(first_block / weight, 1);
     start_ = read_clock();
@@ -28,10 +28,11 @@ class Budget {
 
   const std::atomic<bool>& cancelled() const { return cancelled_; }
 
-  /// How many steps may pass before the clock is read again: about a millisecond's worth.
+  /// block returns how many steps may pass before the clock is read again: about a millisecond's worth.
   std::int64_t block() const { return block_; }
 
-  /// To be told of every block that passed. `completed` while the run may go on, else why it may not.
+  /// To be called after every block with its number of steps. Returns `completed` while the run may go on, else why
+  /// not.
   ReturnCode passed(std::int64_t steps) {
     unseen_ += steps;
     return unseen_ < block_ ? ReturnCode::completed : look();
@@ -50,14 +51,14 @@ class Budget {
     return start_ + now > end_ ? ReturnCode::deadline : ReturnCode::completed;
   }
 
-  /// For what a step computes: true until the deadline. The receiver is told nothing, which might throw.
+  /// in_time is for computations within a step: true until the deadline. It does not call `report`, which might throw.
   std::function<bool()> in_time() const { return until(end_); }
-  /// For what a run that is over is held against: true until shortly after the deadline.
+  /// shortly is for checks of a finished run: true until 0.1 s after the deadline.
   std::function<bool()> shortly() const {
     constexpr double beyond = 0.1;  // in seconds
     return until(end_ + beyond);
   }
-  /// For what follows the run: true for half of the time that is left.
+  /// half is for what follows the run: true for half of the time that is left now.
   std::function<bool()> half() {
     return
         [this, until = 0.5 * (read_clock() + end_)] { return read_clock() < until && look() == ReturnCode::completed; };

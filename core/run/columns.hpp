@@ -13,19 +13,20 @@
 
 namespace least {
 
-/// How a state was reached. Unknown: it was not reached by a step, or the scheme has no modes.
+/// StepInfo says how a state was reached; values are unknown if no step led to it, or the scheme has no modes.
 struct StepInfo {
   double step_size = unknown, mode = unknown, parameter = unknown, discrete_energy = unknown;
 };
 
 struct Column {
   ColumnCard card;
-  /// Null: the caller's own, which is no function of the scene's alone.
+  /// Null for an expression of the caller's own (Measures).
   double (*value)(const ProblemTable& problem, StateView x, const StepInfo& step, std::size_t index);
-  std::size_t index = 0;  ///< among those of its kind
+  std::size_t index = 0;  ///< index within its kind (variables, invariants, …)
 };
 
-/// Of the state at each sample, against the truth: what a state alone cannot say, and the writer fills in.
+/// The column with the error of each sample against the true motion. A state alone does not tell it: the writer of the
+/// rows fills it in.
 inline constexpr std::string_view error_column = "error";
 
 /// An angle in [−π, π).
@@ -35,8 +36,9 @@ inline double wrapped(double angle) {
   return rest < pi ? rest : -pi;
 }
 
-/// Every column of scenes with such a problem, in the order of the catalogue. `card` names variables, invariants and
-/// quantities. Where lanes compute columns they compile this once more, with the functions that lanes have.
+/// columns_of returns every column of scenes of a problem, in the order of the catalogue. `card` names variables,
+/// invariants and quantities. Code that computes columns in lanes compiles this function again, with functions for
+/// lanes.
 inline std::vector<Column> columns_of(const ProblemTraits& traits, const ProblemCard& card) {
   using Table = ProblemTable;
   std::vector<Column> all;

@@ -14,15 +14,15 @@ namespace {
 
 struct ControlRun {
   std::vector<RunState> states;
-  /// The time beyond which there is no step worth the name, as before a singularity: however stiff a motion is, its
-  /// steps are longer against the time that they took until now.
+  /// The time beyond which steps make no progress, as before a singularity: even in a stiff motion steps are longer in
+  /// relation to the time integrated so far.
   std::optional<double> stands_at{};
-  RunState last{};  ///< where it came to
+  RunState last{};  ///< the last state that it reached
 };
 
-/// Whether a motion that control runs do not lead on has rates beyond the place where they stand, as it has beyond a
-/// jump of forces that holds it there: along the rates they are bounded, and differ the less the shorter the way is. At
-/// a singularity they grow, vary on each scale or are no numbers.
+/// rates_go_on returns whether a motion at which control runs came to a standstill has regular rates beyond that point,
+/// as beyond a jump of forces that holds it there: along the rates at that point, rates are bounded, and change the
+/// less the shorter the way. At a singularity they grow, vary on each scale or are undefined.
 bool rates_go_on(const RunBackend& backend, const RunState& start, const ControlRun& stood) {
   constexpr int scales = 4;
   constexpr double first = 1e-3, ratio = 0.1, smooth = 0.3, grown = 10, rounding = 1e-9;
@@ -61,8 +61,8 @@ bool rates_go_on(const RunBackend& backend, const RunState& start, const Control
   return true;
 }
 
-/// The motion at the times of states, which increase, as far as it gets with so many force evaluations and those of a
-/// step, and as long as it may.
+/// control_run returns the motion at the increasing times of `states`, as far as it gets with so many force evaluations
+/// (and those of one step), while keep_going().
 ControlRun control_run(const RunBackend& backend, RunState x, std::span<const RunState> states, double tolerance,
                        std::int64_t most_forces, const KeepGoing& keep_going) {
   constexpr double standstill = 1e-9;
@@ -105,7 +105,7 @@ Departure departure(const RunBackend& backend, RunState x, std::span<const RunSt
                     const KeepGoing& keep_going) {
   const ProblemTable& problem = backend.motion();
   if (problem.starts_series(x)) x = problem.series_state(problem.traits.series_until);
-  while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // along a series
+  while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // times covered by the series
   double size = 0;
   for (std::size_t i = 0; i < x.size(); ++i) size = std::max(size, std::abs(x[i]));
   if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
@@ -124,7 +124,7 @@ Departure departure(const RunBackend& backend, RunState x, std::span<const RunSt
   };
   hold(motion.states.size(), motion.states);
   if (found.error <= large) {
-    constexpr double beyond = 0.01, near = 1e-3;  // of the time until there
+    constexpr double beyond = 0.01, near = 1e-3;  // relative to the time integrated until there
     if (!motion.stands_at || !(states.back().t - *motion.stands_at > beyond * (*motion.stands_at - x.t))) return found;
     const ControlRun other = control_run(backend, x, states, tolerance / 100, 4 * most_forces, keep_going);
     const auto closer = other.stands_at;

@@ -1,5 +1,5 @@
-// Schemes with error control on the motion of any problem: what control runs are made with, and runs of scenes whose
-// size is known when they run.
+// Schemes with error control for the motion of any problem: control runs use them, and runs of scenes whose size is
+// known only at run time.
 #pragma once
 
 #include <memory>
@@ -9,14 +9,16 @@
 
 namespace least {
 
-/// The equations of motion of states that have what it needs and no more. `steep`: what may hide in a step.
+/// field_of returns the equations of motion of states with only those components that the motion needs; `steep` are the
+/// steep functions that a step has to resolve, may be null.
 odeint::Field field_of(const RunBackend& backend, const tape::SteepForces* steep);
 
-/// Steps of states that have what the motion needs and no more, or `all` that a run carries: Dormand–Prince 5(4) unless
-/// it is told otherwise.
+/// ControlStepper takes steps of states with the components that the motion needs, or of `all` numbers that a run
+/// carries, by Dormand–Prince 5(4) or another method.
 class ControlStepper {
  public:
-  /// As in TaylorStepper: steps of high order are so long that a quantity may change its sign more than once in one.
+  /// As in TaylorStepper: steps of high order are so long that a quantity may change sign more than once within one;
+  /// they are searched in so many parts.
   static constexpr int parts = 16;
 
   ControlStepper(const RunBackend& backend, double tolerance, odeint::Method method = odeint::Method::dormand_prince_5,
@@ -26,11 +28,11 @@ class ControlStepper {
   ControlStepper& operator=(ControlStepper other) noexcept;
   ~ControlStepper() = default;
 
-  /// x.t is the time itself. A state that is not the one the last step ended in costs an evaluation.
+  /// Takes one step of x, x.t included. Costs one evaluation more if x is not the state in which the last step ended.
   StepStatus step(RunState& x) noexcept;
-  /// x moved to the time t, which lies within one step from x, by a step that ends there: as accurate as steps are.
+  /// Moves x to the time t, which lies within one step from x, by a step that ends there, with the accuracy of a step.
   StepStatus reach(RunState& x, double t) noexcept;
-  /// x set to the state at t, which lies within the last step; false where a step failed since.
+  /// Sets x to the state at t within the last step; false if a step has failed since.
   bool interpolate(RunState& x, double t) const noexcept;
   const Work& work() const noexcept { return integrator_->work(); }
 

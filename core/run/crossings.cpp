@@ -46,7 +46,7 @@ std::vector<std::pair<Zero, RunState>> watched_zeros(const ProblemTable& problem
     std::ranges::copy(observe(problem, x, measures), observed);
     return true;
   };
-  const int pieces = std::max(integrator.parts() / 4, 1);  // a piece of a search shows four places
+  const int pieces = std::max(integrator.parts() / 4, 1);  // a search evaluates four points of each piece
   std::vector<std::pair<Zero, RunState>> found;
   for (const Zero& zero : watch.locate(observe(problem, from, measures).data(), from.t,
                                        observe(problem, to, measures).data(), to.t, observe_at, pieces)) {
@@ -62,7 +62,7 @@ std::vector<std::size_t> reached_at_end(const ProblemTable& problem, const Integ
   if (watch.empty()) return {};
   const RunState& end = state.x;
   RunState before = integrator.left();
-  // Shortly before: further back the expression may have turned.
+  // A state shortly before the end: further back the expression may have turned.
   if (const double last = end.t - 0x1p-20 * (end.t - before.t); last < end.t) integrator.state_at(state, last, before);
   const Measures& measures = watch.measures();
   return watch.reached(observe(problem, before, measures).data(), before.t, observe(problem, end, measures).data(),

@@ -1,4 +1,4 @@
-// What vanishes within a step, located by the dense output of the integrator that took it.
+// Zeros within a step, located by the dense output of the integrator that took it.
 #pragma once
 
 #include <utility>
@@ -9,21 +9,23 @@
 
 namespace least {
 
-/// The zeros of the scene's sections within the last step, which ended in the state.
+/// locate_sections adds the zeros of the scene's sections within the last step, which ended in `state`, to `events`.
 void locate_sections(const ProblemTable& problem, const Integrator& integrator, const IntegrationState& state,
                      Events& events);
 
-/// Shows the diagnostics what lies within the last step up to this time, and nothing beyond; or within the next one.
+/// look_within shows the diagnostics states within the last step up to the time `until`, or within the next step if
+/// `until` lies there.
 void look_within(const Integrator& integrator, const IntegrationState& state, double until, DiagnosticSet& diagnostics);
 
-/// The zeros of what the caller watches, with the states there, between two states of the last step or of the next one:
-/// in their order, up to the first that ends the run. Of a large scene one state within a step may take milliseconds,
-/// and a search asks for hundreds: once it is not to go on, it finds no more.
+/// watched_zeros returns the zeros of the expressions that the caller watches, with the states there, between two
+/// states of the last or of the next step: in order of time, up to the first that ends the run. Once keep_going() is
+/// false it finds no more zeros: in a large scene one state within a step may take milliseconds, and a search asks for
+/// hundreds.
 std::vector<std::pair<Zero, RunState>> watched_zeros(const ProblemTable& problem, const Integrator& integrator,
                                                      const IntegrationState& state, Watch& watch, const RunState& from,
                                                      const RunState& to, const KeepGoing& keep_going);
 
-/// What the caller watches and the run reaches from above exactly where it ends: see Watch::reached.
+/// reached_at_end returns the watched expressions whose zero the run reaches exactly at its end, see Watch::reached.
 std::vector<std::size_t> reached_at_end(const ProblemTable& problem, const Integrator& integrator,
                                         const IntegrationState& state, const Watch& watch);
 

@@ -1,4 +1,4 @@
-// Samples that lie evenly along the curve that a run draws, whatever its steps: what a picture of it needs.
+// Samples that lie evenly along the curve that a run draws, whatever its steps: for a picture of the curve.
 #pragma once
 
 #include <algorithm>
@@ -8,19 +8,19 @@
 
 namespace least {
 
-/// Which of the rows seen so far to keep, by the arc up to each, so that in the end `count` of them can be chosen at
-/// nearly equal distances. Holds 32 rows for each that is asked for, a million at most (then the distances are less
-/// equal), however long the curve becomes: whenever there are more, every second goes.
+/// CurveThinner decides which of the rows seen so far to keep, by the arc length up to each, so that at the end `count`
+/// of them can be chosen at nearly equal distances. It holds up to 32 rows for each row that is asked for, but at most
+/// a million (then the distances are less equal); whenever it is full, `thin` drops about half of them.
 class CurveThinner {
  public:
   static constexpr std::size_t most_asked = 100'000;
 
   explicit CurveThinner(std::size_t count) : count_(count), most_(std::min<std::size_t>(32 * count, 1'000'000)) {}
 
-  /// Into how many parts the way to the next row is to be divided, which is `chord` long and of which a part `share` of
-  /// the run's time is over then (unknown where nobody knows how long it will be). Once there are rows enough for a run
-  /// that ends here, the curve is taken to be as long as its way so far says: a run of many steps need not be thinned
-  /// again and again.
+  /// parts returns the number of parts into which the way to the next row, of length `chord`, has to be divided; there
+  /// a fraction `share` of the run's time is over (unknown where the end of the run is). At first these are `count`
+  /// parts. Once a quarter of the room is used, the length of the whole curve is extrapolated from `share`, so that a
+  /// run of many steps need not be thinned again and again.
   std::size_t parts(double chord, double share) const {
     if (!thinned_) {
       const double whole = (length_ + chord) / share;
@@ -28,7 +28,8 @@ class CurveThinner {
     }
     return resolution_ == 0 ? 1 : pieces(2 * chord / resolution_);
   }
-  /// True: the row before this one is not needed any more, and this one takes its place.
+  /// Adds a row at the distance `chord` from the last one. True: it replaces the row before it, which is not needed any
+  /// more.
   bool add(double chord) {
     length_ += std::isfinite(chord) ? chord : 0;
     const bool replaces = arcs_.size() > 1 && arcs_.back() - arcs_[arcs_.size() - 2] < resolution_;
@@ -38,7 +39,7 @@ class CurveThinner {
   }
   std::size_t most() const { return most_; }
   bool full() const { return arcs_.size() >= most_; }
-  /// The rows to keep of those there are: increasing, the first and the last among them.
+  /// thin returns the indices of the rows to keep: increasing, with the first and the last row.
   std::vector<std::size_t> thin() {
     thinned_ = true;
     resolution_ = 2 * (arcs_.back() - arcs_.front()) / double(most_);
@@ -52,7 +53,7 @@ class CurveThinner {
     arcs_.resize(kept.size());
     return kept;
   }
-  /// `count` of them at equal distances, as nearly as there are rows: increasing, both ends among them.
+  /// choose returns the indices of `count` rows at distances as equal as the rows allow: increasing, with both ends.
   std::vector<std::size_t> choose() const {
     const std::size_t all = arcs_.size(), count = std::min(count_, all);
     std::vector<std::size_t> chosen;
@@ -81,7 +82,7 @@ class CurveThinner {
   std::size_t count_, most_;
   double resolution_ = 0, length_ = 0;
   bool thinned_ = false;
-  std::vector<double> arcs_;  ///< of the rows that are kept
+  std::vector<double> arcs_;  ///< arc length up to each row that is kept
 };
 
 }  // namespace least

@@ -9,14 +9,14 @@
 namespace least {
 namespace {
 
-/// How far a neighbour is, relative to the sizes of the components, and how accurate a step of its difference from the
-/// motion has to be: errors of all steps near x = 0 of √|x| add up.
+/// The distance of the neighbour, relative to the sizes of the components, and the tolerance of a step of the
+/// difference: errors of all steps near x = 0 of √|x| add up.
 constexpr double next_to = 1e-7, slope_tolerance = 1e-5;
 
-/// The larger one; NaN stays.
+/// The larger of two numbers; NaN if one is.
 double larger(double most, double x) { return std::isnan(most) || x <= most ? most : x; }
 
-/// After one of length h with this error, 1 being allowed.
+/// next_step returns the next step length after a step h with this error, relative to the tolerance.
 double next_step(double h, double error) {
   if (std::isnan(error)) return h / 4;
   const double wanted = 0.9 / std::pow(std::max(error, 1e-6), 0.2);
@@ -84,7 +84,7 @@ bool Differences::advance() {
   }
 }
 
-/// A step of the classical scheme; the time is left to the caller.
+/// move takes a step of the classical Runge–Kutta scheme; its caller advances the time.
 void Differences::move(Point& point, double h) const {
   constexpr double nodes[] = {0, 0.5, 0.5, 1}, weights[] = {1, 2, 2, 1};
   const std::size_t size = point.x.size();
@@ -120,7 +120,7 @@ void Differences::find_rates(const Point& at, double* rates, double* changes) co
   for (std::size_t i = 0; i < neighbour.size(); ++i) changes[i] = (changes[i] - rates[i]) / apart_;
 }
 
-/// By how many derivatives a neighbour differs from the state: by a small part of each component's size.
+/// neighbour returns apart_, so that the neighbour differs from the state by a small part of each component's size.
 double Differences::neighbour() const {
   const auto [value, slope] = largest(here_);
   double most = std::numeric_limits<double>::infinity();
@@ -133,7 +133,8 @@ bool Differences::inside(const Point& point) const {
   return !backend_.motion().outside(point.x) && std::isfinite(point.x[0]);
 }
 
-/// Of the components of the state, and of the derivative; they are divisors.
+/// largest returns the largest component of the state, and of the derivative, neither of them 0, since they are
+/// divisors.
 std::pair<double, double> Differences::largest(const Point& point) {
   double value = 1e-300, slope = 1e-300;
   for (std::size_t i = 0; i < point.x.size(); ++i) {

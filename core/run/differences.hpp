@@ -1,7 +1,7 @@
-// A motion and its derivative in one direction of the start, by the classical Runge–Kutta scheme with steps halved for
-// comparison (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4). Where the force changes
-// infinitely fast, as √|x| at x = 0, there is no step by its derivatives: from there on those of the motion are
-// followed as its difference from a neighbour.
+// A motion and its derivative with respect to one component of the start, by the classical Runge–Kutta scheme with
+// steps halved for comparison (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4). Where a force
+// is not differentiable, as √|x| at x = 0, no step of the variational equations is accurate: from there on the
+// derivative is computed as the difference to a neighbouring motion.
 #pragma once
 
 #include <utility>
@@ -11,24 +11,24 @@
 
 namespace least {
 
-/// Follows a motion and its derivative in one direction of the start.
+/// Differences follows a motion and its derivative with respect to one component of the start.
 class Differences {
  public:
-  /// `direction`: of the component in which the start differs. `tolerance`: of a step, relative to the largest
-  /// component of the state and of the derivative.
+  /// `direction` is the index of that component. `tolerance` is that of a step, relative to the largest component of
+  /// the state and of the derivative.
   Differences(const RunBackend& backend, const RunState& x, std::size_t direction, double end, double tolerance);
 
   const RunState& state() const { return here_.x; }
   const StateNumbers& derivative() const { return here_.slopes; }
   double time() const { return here_.x.t; }
   double growth() const;
-  /// Whether the last trial came to a place outside of the domain.
+  /// Whether the last trial step ended outside the domain.
   bool left_domain() const { return left_domain_; }
 
-  /// Whether nothing is known of the derivative any more, although the motion goes on.
+  /// Whether the derivative can no longer be followed, although the motion goes on.
   bool lost() const { return lost_; }
 
-  /// One step that is accurate enough. False: the motion ends here, or the derivative is lost.
+  /// Takes one step within the tolerance. False: the motion ends here, or the derivative is lost.
   bool advance();
 
  private:
@@ -47,8 +47,8 @@ class Differences {
   SteepSteps steep_;
   Point here_;
   double end_, scale_, tolerance_, step_;
-  StateNumbers sizes_;  ///< of the components, the largest so far
-  double apart_ = 0;    ///< the neighbour is the state and so many derivatives; 0: none is followed
+  StateNumbers sizes_;  ///< largest size of each component so far
+  double apart_ = 0;    ///< the neighbour is state + apart_·derivative; 0: there is none
   bool left_domain_ = false, lost_ = false;
 };
 

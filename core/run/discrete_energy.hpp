@@ -1,6 +1,6 @@
 // The discrete energy of a step of a variational scheme: E_d = −∂L_d/∂h at fixed ends (in a contact scene at fixed s as
-// well), the mean of v·L_v − L over the nodes of the quadrature. Found from where the step began, when it is asked for.
-// Source: Marsden & West, Acta Numerica 10, 357 (2001), 4.
+// well), the mean of v·L_v − L over the nodes of the quadrature. It is computed on demand, from the state where the
+// step began. Source: Marsden & West, Acta Numerica 10, 357 (2001), 4.
 #pragma once
 
 #include "core/problem_traits.hpp"
@@ -8,8 +8,8 @@
 
 namespace least {
 
-/// Of a step of length h from a. Stages of weights γ_i follow one another, and −∂/∂h of their sum is Σγ_iE_i. Unknown
-/// where the scheme is not variational, or the step fails.
+/// discrete_energy returns E_d of a step of length h from a. For a composition with weights γ_i, −∂/∂h of the sum of
+/// the stages' discrete Lagrangians is Σγ_iE_i. Unknown where the scheme is not variational, or the step fails.
 template <class Scheme, class P, class X>
 double discrete_energy([[maybe_unused]] const Scheme& scheme, [[maybe_unused]] const P& problem,
                        [[maybe_unused]] const X& a, [[maybe_unused]] double h) {

@@ -7,7 +7,8 @@
 namespace least {
 namespace {
 
-/// The most states of a block that diagnostics see, where states are large: half a mebibyte of them.
+/// most_rows_of bounds the number of states of a block that diagnostics see, if states are large: half a mebibyte of
+/// them.
 std::int64_t most_rows_of(const ProblemTraits& traits) {
   constexpr std::size_t numbers = 1 << 16;
   return static_cast<std::int64_t>(std::max<std::size_t>(numbers / (1 + traits.numbers), 8));
@@ -27,7 +28,7 @@ BlockResult EqualSteps::advance(IntegrationState& state, StepTarget target, Step
   if (on_series(state.n)) return advance_on_series(state, count, diagnostics);
   if (diagnostics)
     count = std::min({count, diagnostics->watches() ? watched_ : most_rows, most_rows_of(problem_.traits)});
-  if (keeps_last_step_) {  // where the last one begins is to be known
+  if (keeps_last_step_) {  // the last step is a block of its own, so that its start is known
     if (count > 1)
       if (const BlockResult result = take_steps(state, count - 1, guard, diagnostics);
           !result || (diagnostics && diagnostics->crossed()))
@@ -122,7 +123,7 @@ std::optional<StrongDamping> EqualSteps::strong_damping(std::int64_t n) const {
     const auto step =
         static_cast<std::int64_t>(static_cast<double>(n) * static_cast<double>(k) / static_cast<double>(looks));
     const double t =
-        grid_.time(grid_.first + std::max<std::int64_t>(step, 2));  // the first may begin where damping is singular
+        grid_.time(grid_.first + std::max<std::int64_t>(step, 2));  // the damping may be singular at the start
     const double strength = problem_.damping(t) * grid_.step;
     const bool over = strength >= flips;
     if (over || (strength > stiff && !found)) found = {t, strength, over ? flips : stiff, over};
@@ -142,7 +143,7 @@ bool EqualSteps::reaches_pole(StateView x) const {
 
 double EqualSteps::damping_pole() {
   constexpr int looks = 256, first = 20, halvings = 60;
-  constexpr double sharply = 1e4;  // it grows by so much after the first halvings, as no zero or jump does
+  constexpr double sharply = 1e4;  // a pole grows by this factor after the first halvings, a zero or a jump does not
   if (damping_pole_) return *damping_pole_;
   damping_pole_ = never;
   const ProblemTraits& traits = problem_.traits;
@@ -152,7 +153,7 @@ double EqualSteps::damping_pole() {
     double low = grid_.start + k * span, high = low + span;
     const double before = problem_.damping(low), after = problem_.damping(high);
     if (!std::isfinite(before)) {
-      if (k == 0) continue;  // such a start has been looked at
+      if (k == 0) continue;  // start_objection has checked the start
       return *(damping_pole_ = low);
     }
     if (std::isfinite(after) && !(before * after < 0)) continue;
@@ -201,7 +202,7 @@ BlockResult EqualSteps::take_steps(IntegrationState& state, std::int64_t count, 
   return again;
 }
 
-/// The same steps one by one, up to the first in which something happened.
+/// replay takes the same steps one by one, up to the first in which something happened.
 BlockResult EqualSteps::replay(IntegrationState& state, std::int64_t count, StepGuard& guard,
                                DiagnosticSet* diagnostics) {
   for (; count > 0; --count) {
@@ -211,7 +212,7 @@ BlockResult EqualSteps::replay(IntegrationState& state, std::int64_t count, Step
     if (result && diagnostics) diagnostics->take(rows(1));
     if (result && !(diagnostics && diagnostics->crossed())) continue;
     if (!result) {
-      const StepGuard seen = guard;  // also of the step that went wrong
+      const StepGuard seen = guard;  // including the step that went wrong
       const Work tried = work();
       take_back(step_kept_, state, guard, diagnostics);
       guard = seen;

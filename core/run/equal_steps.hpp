@@ -1,6 +1,6 @@
-// Steps of equal length: t = t₀ + n·h, the last one shorter. What can go wrong inside a block is looked for at its end,
-// and a block that went wrong is taken back and run again step by step, so that the last good state is exact and a good
-// step pays nothing. The steps themselves are those of a kernel: core/run/fixed_step.hpp.
+// Steps of equal length: t = t₀ + n·h, the last one shorter. Errors are looked for only at the end of a block of steps.
+// A block in which something went wrong is undone and repeated step by step, so that the last good state is exact and
+// good steps cost nothing extra. The steps themselves are those of a kernel: core/run/fixed_step.hpp.
 #pragma once
 
 #include <limits>
@@ -20,7 +20,7 @@ class EqualSteps : public Integrator {
   void step_back(IntegrationState& state) final;
   RunState left() const final { return left_; }
   bool reaches(const IntegrationState& state, double t) const final { return grid_.step_before(t) <= state.n; }
-  /// By the step's own map over a shorter step, which is as accurate as the scheme.
+  /// By a step of the scheme of another length, which is as accurate as the scheme.
   StepStatus state_at(const IntegrationState& state, double t, RunState& x) const final;
 
   bool starts_regularly(StateView x) final;
@@ -29,8 +29,8 @@ class EqualSteps : public Integrator {
   StepInfo step_info(const IntegrationState&) const final { return {grid_.step}; }
   void keep_last_step() final { keeps_last_step_ = true; }
   double discrete_energy(const IntegrationState& state) const final;
-  /// Looked at over the span, not at each step. The first that turns the momentum over, else the first that is stiff.
-  /// Of what repeats one period is enough.
+  /// Checks up to 1000 times over the span (over one period, where the damping is periodic): returns the first at which
+  /// a step reverses the momentum, else the first at which it does not resolve the damping.
   std::optional<StrongDamping> strong_damping(std::int64_t n) const final;
   Work work() const final;
 
@@ -39,27 +39,28 @@ class EqualSteps : public Integrator {
   struct DampingLimits {
     double flips = never, stiff = never;
   };
-  /// Where a stepper stands: at the state, or at left_.
+  /// Where a stepper is: at the state, or at left_.
   enum class StepperAt : std::uint8_t { here, left };
   EqualSteps(const ProblemTable& problem, const RunState& x, const Grid& grid)
       : problem_(problem), grid_(grid), left_(x) {}
 
-  /// `count` steps of the grid; what went wrong, at any of them. `rows`: where the states after them go, one row each:
-  /// the time, and the numbers of the state; null where nobody asks for them.
+  /// block takes `count` steps of the grid and returns what went wrong in any of them. `rows` receives the state after
+  /// each step, one row each: the time, then the numbers of the state; null if they are not needed.
   virtual BlockResult block(IntegrationState& state, std::int64_t count, StepGuard& guard, double* rows) = 0;
-  /// One of another length: by the stepper itself, or by a copy of it.
+  /// A step of another length h: last_step by the stepper itself, trial_step by a copy of it.
   virtual StepStatus last_step(RunState& x, double h) = 0;
   virtual StepStatus trial_step(StepperAt stands, RunState& x, double h) const = 0;
-  /// The same by a stepper bound at x.
+  /// The same by a new stepper that is bound at x.
   virtual StepStatus bound_step(RunState& x, double h) const = 0;
   virtual void bind_stepper(StateView x) = 0;
-  /// For left_; and back.
+  /// keep_stepper copies the stepper for left_; take_stepper_back restores it.
   virtual void keep_stepper() = 0;
   virtual void take_stepper_back() = 0;
   virtual Work stepper_work() const = 0;
-  // What the scheme says of itself.
+  // Properties of the scheme, see core/scheme.hpp.
   virtual bool starts_at_singularity() const = 0;
-  /// OfRatesAlone; else a step has in it what s adds to H, with its poles.
+  /// OfRatesAlone<Scheme>. Otherwise a step uses the exact flow of the part of H that depends on s, with the poles of
+  /// that flow.
   virtual bool of_rates_alone() const = 0;
   virtual double energy_of_step(StateView from, double h) const = 0;
   virtual DampingLimits damping_limits() const = 0;
@@ -68,32 +69,34 @@ class EqualSteps : public Integrator {
   Grid grid_;
 
  private:
-  /// The most states of a block that diagnostics see.
+  /// The largest number of states of a block that diagnostics see.
   static constexpr std::int64_t most_rows = 512;
 
-  /// What a block changes.
+  /// Snapshot holds everything that a block changes, to undo it.
   struct Snapshot {
     IntegrationState state;
     std::optional<StepGuard> guard;
     SignsSeen signs;
   };
 
-  /// Whether −γ s h > 2, where H has γs²/2: such a step reaches the pole of ṡ = −γs²/2.
+  /// reaches_pole returns whether −γ s h > 2 where H has γs²/2: a step by the exact flow reaches the pole of ṡ =
+  /// −γs²/2.
   bool reaches_pole(StateView x) const;
-  /// The first time after the start at which the damping is infinite and changes its sign, as 2/t does: there is no
-  /// factor e^{−∫α} over it. Looked for once, as closely as a 256th of the way.
+  /// damping_pole returns the first time after the start at which the damping is infinite with a change of sign, as 2/t
+  /// at t = 0: no factor e^{−∫α} exists across it. It is searched once, at 256 points of the span; infinite where none
+  /// is found.
   double damping_pole();
   BlockResult take_steps(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
   BlockResult replay(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
-  /// `count` steps; where diagnostics see them and all went well, the signs there are looked at.
+  /// seen_block takes `count` steps, and shows their signs to the diagnostics if there are any and no step went wrong.
   BlockResult seen_block(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
   void keep(Snapshot& kept, const IntegrationState& state, const StepGuard& guard, const DiagnosticSet* diagnostics);
   void take_back(const Snapshot& kept, IntegrationState& state, StepGuard& guard, DiagnosticSet* diagnostics);
-  /// A step that was taken back has cost what it cost.
+  /// count_tried keeps the cost of steps that were undone in the total.
   void count_tried(const Work& tried);
 
-  // The regular solution from a time at which the equations of motion are singular stands in for the steps as far as
-  // its series reaches; of a first step that reaches further, the rest is the scheme's.
+  // From a time at which the equations of motion are singular, the series of the regular solution replaces the scheme's
+  // steps as far as the series reaches; if the first step reaches further, the scheme takes the rest of it.
   bool on_series(std::int64_t n) const { return along_series_ && n < std::min(series_steps_, grid_.steps); }
   bool covered_by_series(std::int64_t n, double t) const {
     return along_series_ && (n == 0 || t <= problem_.traits.series_until);
@@ -105,12 +108,12 @@ class EqualSteps : public Integrator {
   }
 
   RunState left_;
-  std::int64_t watched_ = 8;  ///< the length of blocks of which something is watched: much of one may be made again
+  std::int64_t watched_ = 8;  ///< length of blocks while something is watched, short since one may have to be repeated
   bool along_series_ = false, keeps_last_step_ = false;
   std::int64_t series_steps_ = 0;
-  std::optional<double> damping_pole_;  ///< once it was looked for
-  Work before_;                         ///< of steppers that were put aside
-  std::unique_ptr<double[]> rows_;      ///< room for most_rows; none before diagnostics see a block
+  std::optional<double> damping_pole_;  ///< empty until it is searched
+  Work before_;                         ///< cost of former steppers and of steps that were undone
+  std::unique_ptr<double[]> rows_;      ///< room for most_rows states; allocated when diagnostics first see a block
   Snapshot block_kept_, step_kept_;
 };
 

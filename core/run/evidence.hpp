@@ -1,7 +1,7 @@
-// What the states of a run say of its worth, whatever was asked for: looked at between blocks of steps, 16 times in a
-// short run, at every 256th step of a long one and at longer strides as it goes on, and after 1, 2, 4, … steps before
-// the first of these: what decays is wrong at once or not at all. No step pays for it, and what is seen depends on the
-// run alone.
+// Evidence of whether a run is any good, gathered from its states whatever was asked for: between blocks of steps, 16
+// times in a short run, at every 256th step of a long one and at longer strides as the run goes on. States after 1, 2,
+// 4, … steps are looked at before the first of these, since a run of a decaying motion is wrong at once or not at all.
+// Steps do not pay for it, and what is seen depends on the run alone.
 #pragma once
 
 #include <algorithm>
@@ -20,14 +20,14 @@ namespace least {
 
 class Evidence {
  public:
-  /// `steps`: how many there are to be, where that is known. `keeps`: the states that are looked at are kept.
+  /// `steps`: the number of steps of the run, if it is known. `keeps`: whether to keep the states that are looked at.
   Evidence(const ProblemTraits& traits, std::optional<std::int64_t> steps, bool keeps)
       : looks_(keeps || traits.keeps_energy || (traits.quadratic_contact && steps)),
         keeps_(keeps),
         stride_(steps ? std::clamp<std::int64_t>(*steps / 16, 1, 256) : 16),
         begun_(stride_) {}
 
-  /// The next step to be looked at after the n-th.
+  /// The number of the next step after n whose state is looked at.
   std::int64_t next(std::int64_t n) const {
     if (!looks_) return std::numeric_limits<std::int64_t>::max();
     return n < begun_ ? std::min(std::max<std::int64_t>(2 * n, 1), begun_) : (n / stride_ + 1) * stride_;
@@ -37,7 +37,7 @@ class Evidence {
     if (problem.traits.keeps_energy) level_ = found_.before = found_.now = problem.energy_of(x);
     look(problem, x);
   }
-  /// The state after a block.
+  /// To be called with the state after each block.
   void see(const ProblemTable& problem, const IntegrationState& state) {
     const bool early = state.n < begun_ && std::has_single_bit(static_cast<std::uint64_t>(state.n));
     if (!looks_ || (!early && state.n % stride_ != 0)) return;
@@ -63,15 +63,15 @@ class Evidence {
     if (states_.empty() || states_.back().t < state.x.t) keep(state.x, problem.traits.moving);
   }
 
-  /// A kept energy: the largest of its changes in units of max(|E₀|, |V| + |E − V|) where they were found, and where it
-  /// was farthest away; 0 where none is kept.
+  /// The energy E, where the motion conserves it: `off` is its largest change in units of max(|E₀|, |V| + |E − V|),
+  /// `before` is E₀ at the start, and `now` the value farthest from E₀. All 0 where it is not conserved.
   struct Energy {
     double off = 0, before = 0, now = 0;
   };
   const Energy& energy() const { return found_; }
-  /// The largest rate of damping |γs|, where the action makes it.
+  /// The largest rate of damping |γs| seen, where H has γs²/2.
   double damping() const { return damping_; }
-  /// What was looked at after the start, in the order of time: what the motion needs of it.
+  /// The states looked at after the start, in order of time, with only those components that the motion needs.
   std::span<const RunState> states() const { return states_; }
 
  private:
@@ -93,14 +93,14 @@ class Evidence {
 
   void keep(const RunState& x, std::size_t moving) {
     if (!keeps_) return;
-    constexpr std::size_t copies = 2;  // those of what they are held against stand beside them
+    constexpr std::size_t copies = 2;  // as many are held again for the states that these are compared with
     held_.add(copies * moving * sizeof(double));
     states_.push_back({x.t, StateNumbers(x.numbers.begin(), x.numbers.begin() + std::ptrdiff_t(moving))});
   }
 
-  bool looks_;  ///< for an energy that is kept, for a damping that steps of equal length may not resolve, or to keep
+  bool looks_;  ///< for a conserved energy, for a damping that equal steps may not resolve, or to keep states
   bool keeps_, started_ = false;
-  std::int64_t stride_, begun_;  ///< at first, and never longer before that step
+  std::int64_t stride_, begun_;  ///< current stride; first stride, up to which steps 1, 2, 4, … are looked at
   std::int64_t seen_ = 0, early_ = 0;
   std::vector<RunState> states_;
   Held held_ = HeldByThread::take(0);  ///< for the states

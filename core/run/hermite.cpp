@@ -15,7 +15,7 @@ HermitePath::HermitePath(const ProblemTable& problem, StateView a, StateView b)
 
 RunState HermitePath::operator()(double t) const {
   const double h = b_.x.t - a_.x.t, u = (t - a_.x.t) / h, w = 1 - u;
-  // The basis in u and in 1 − u: each vanishes with its derivatives at the other end.
+  // The basis in u and w = 1 − u: at the other end each function vanishes with its first and second derivatives.
   const double w3 = w * w * w, u3 = u * u * u;
   const double a0 = w3 * (1 + 3 * u + 6 * u * u), a1 = w3 * (u + 3 * u * u) * h, a2 = w3 * u * u * 0.5 * h * h;
   const double b0 = u3 * (1 + 3 * w + 6 * w * w), b1 = -u3 * (w + 3 * w * w) * h, b2 = u3 * w * w * 0.5 * h * h;

@@ -13,7 +13,7 @@ double exit_time(const ProblemTable& problem, const Integrator& integrator, cons
   const double known = outside_at > state.x.t ? outside_at - state.x.t : std::numeric_limits<double>::infinity();
   double reach = std::min(step > 0 ? step : 1e-3, known);
   for (int k = 0; k < 60 && reach < known && inside(reach) > 0; ++k) reach = std::min(2 * reach, known);
-  if (reach == known && inside(known) > 0) return outside_at;  // trial steps are others than the one that found it
+  if (reach == known && inside(known) > 0) return outside_at;  // trial steps differ from the step that found it
   return state.x.t + root(inside, 0, reach);
 }
 

@@ -1,5 +1,5 @@
-// Where a motion should be looked at: evenly by its steps, and where it is fastest. A small error of time or phase is
-// largest where the state moves fastest against its own size: at a periapsis, in front of a turning point.
+// Times at which a motion should be looked at: evenly by its steps, and where it is fastest. A small error of time or
+// phase is largest where the state moves fastest relative to its size: at a periapsis, before a turning point.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@
 
 namespace least {
 
-/// A state, and the speed at which it was reached: max|ẋ_i| / max(1, max|x_i|), in 1/time.
+/// Landmark is a state with the speed at which it was reached: max|ẋ_i| / max(1, max|x_i|), in 1/time.
 struct Landmark {
   RunState x;
   double speed = 0;
 };
 
-/// Divides the steps seen so far into stretches of equal numbers of steps, half of `most` to `most` of them, the
-/// stretch doubling whenever there are too many; so what is kept depends on where the motion got to and on no plan. Of
-/// each stretch it keeps the first state and the fastest.
+/// Landmarks divides the steps seen so far into stretches of equal numbers of steps, between `most`/2 and `most` of
+/// them; whenever there are more, the stretches double their length. So it needs no plan of how long the motion will
+/// be. It keeps the first and the fastest state of each stretch.
 class Landmarks {
  public:
   Landmarks() = default;
@@ -35,7 +35,7 @@ class Landmarks {
     steps_ = 0;
     length_ = 1;
   }
-  /// A state with as many components as that at the start, or more.
+  /// To be called with the state after each step, which has at least as many components as that at the start.
   void see(StateView x) {
     const double speed = speed_of(before_, x);
     longest_move_ = std::max(longest_move_, speed * (x.t - before_.t));
@@ -52,9 +52,9 @@ class Landmarks {
   }
 
   std::int64_t steps() const { return steps_; }
-  /// By how much of its size, or of 1, the state changed in a step at most.
+  /// The largest change of the state in one step, relative to max(1, its size).
   double longest_move() const { return longest_move_; }
-  /// In the order of their times, each state once.
+  /// All landmarks in order of time, each state once.
   std::vector<Landmark> list() const {
     std::vector<Landmark> all;
     for (const Stretch& stretch : stretches_) {

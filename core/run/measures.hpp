@@ -1,5 +1,5 @@
-// Expressions of the caller's own over a scene: what further columns are, and what vanishes at events. They are read
-// once and made ready together; a run gives them the numbers of a state.
+// Expressions of the caller's own over a scene: further columns, and quantities whose zeros are events. They are parsed
+// once and compiled together; a run evaluates them at its states.
 #pragma once
 
 #include <array>
@@ -23,30 +23,31 @@ struct TextScene;
 
 struct Scene;
 
-/// An expression by its name: the card of the column that it is, and what was typed.
+/// Measure is a named expression: the card of its column, and its text.
 struct Measure {
   ColumnCard card;
   std::string text;
 };
 
-/// Expressions over the same scene. A value; what it says depends on the scene's parameters, which are constants of it.
+/// Measures are expressions over the same scene, compiled together. The scene's parameters are constants in them.
 struct Measures {
   std::vector<Measure> list;
-  std::vector<bool> reads;  ///< which of the scene's variables, in the order of its card, and then whether the energy
+  std::vector<bool> reads;  ///< whether they read each of the scene's variables, in the order of its card; then whether
+                            ///< they read the energy
 
   bool empty() const { return list.empty(); }
   std::size_t size() const { return list.size(); }
-  /// Only a full state can say one of them.
+  /// Whether one of them can only be evaluated at a full state.
   bool full_state() const;
   bool reads_energy() const { return !reads.empty() && reads.back(); }
   bool reads_variable(std::size_t i) const { return i + 1 < reads.size() && reads[i]; }
 
-  /// values[i] of each, from what `observe` says of a state, and the time of the state. Any of them may be no finite
-  /// number.
+  /// evaluate writes the value of expression i to values[i]. `observed` is the result of `observe` at a state, t its
+  /// time. Values may be not finite.
   void evaluate(const double* observed, double t, double* values) const;
-  /// The same along a direction.
+  /// The same with derivatives along one direction.
   void evaluate(const Slope* observed, const Slope& t, Slope* values) const;
-  /// The same of all states within bounds, and of all times; with what changes by time where that is known, too.
+  /// The same for all states and times within bounds, with time derivatives in the second form.
   void enclose(const interval::Enclosure* observed, const interval::Enclosure& t, interval::Enclosure* values) const;
   void enclose(const interval::RateEnclosure* observed, const interval::RateEnclosure& t,
                interval::RateEnclosure* values) const;
@@ -56,26 +57,27 @@ struct Measures {
   tape::Formula formula_;
 };
 
-/// Reads expressions over a scene, one after the other. They know its variables, `t`, the parameters that are numbers,
-/// `energy` where the scene has one, and what every expression knows. Stays where it is.
+/// MeasureReader parses expressions over a scene, one after the other. They may use its variables, `t`, the parameters
+/// that are numbers, `energy` where the scene has one, and the functions and constants of every expression. It cannot
+/// be copied.
 class MeasureReader {
  public:
-  /// The scene outlives it. `velocities`: they know those of the coordinates, too, where a scene as text has them:
-  /// then what is observed has a velocity for each coordinate after the energy.
+  /// The scene has to outlive the reader. `velocities`: expressions may also use the velocities of the coordinates, if
+  /// the scene is given as text and has them; then `observed` has a velocity for each coordinate after the energy.
   explicit MeasureReader(const Scene& scene, bool velocities = false);
   MeasureReader(const MeasureReader&) = delete;
   MeasureReader& operator=(const MeasureReader&) = delete;
 
-  /// What is wrong with the text, if anything: then it is left out.
+  /// Parses one expression; returns what is wrong with it, in which case it is left out.
   std::optional<text::Fault> read(std::string name, std::string text);
-  /// The names that they may use, beside `pi`.
+  /// The names that expressions may use, beside `pi`.
   std::vector<std::string_view> names() const;
-  /// Those that were read, in their order.
+  /// The expressions read so far, in their order.
   Measures made() const;
 
  private:
   const ProblemCard& card_;
-  const text::TextScene* text_;  ///< the scene as it was typed; null where it was not
+  const text::TextScene* text_;  ///< the scene as given in text, else null
   tape::Tape tape_;
   std::vector<std::string> velocities_;  ///< their names
   text::Words words_;
@@ -83,7 +85,8 @@ class MeasureReader {
   Measures measures_;
 };
 
-/// What measures are functions of: the variables of the scene's card, and its energy where one of them reads it.
+/// observe writes the arguments of measures: the variables of the scene's card, then its energy if one of them reads
+/// it.
 inline void observe(const ProblemTable& problem, StateView x, const Measures& measures, double* observed) {
   const std::size_t variables = measures.reads.size() - 1;
   for (std::size_t i = 0; i < variables; ++i) observed[i] = variable(problem.traits, x, i);

@@ -10,7 +10,7 @@
 namespace least {
 
 std::int64_t weight_of_force(const Mechanics& mechanics) {
-  constexpr std::int64_t light = 1000;  // operations of the text and what was derived to find its form
+  constexpr std::int64_t light = 1000;  // operations of the text and of derivatives for its form
   const text::TextScene* const scene = mechanics.text();
   return scene ? std::max<std::int64_t>(scene->form->tape.size() / light, 1) : 1;
 }
@@ -19,7 +19,7 @@ const ProblemCard& Scene::card() const { return mechanics->card(); }
 
 std::string Scene::key() const {
   std::string key(mechanics->key());
-  const auto append = [&](std::span<const double> numbers) {  // bits: NaN and −0 are themselves
+  const auto append = [&](std::span<const double> numbers) {  // as bits, so that NaN and −0 are distinct values
     const std::size_t count = numbers.size(), at = key.size();
     key.resize(at + sizeof count + count * sizeof(double));
     std::memcpy(key.data() + at, &count, sizeof count);
@@ -34,7 +34,7 @@ std::string Scene::key() const {
 
 std::size_t Truth::bytes() const {
   std::size_t numbers = 0;
-  for (const auto& state : states) numbers += state.size() + 3;  // a vector is as large as three
+  for (const auto& state : states) numbers += state.size() + 3;  // a vector object has the size of three numbers
   return sizeof(Truth) + (numbers + sizes.size()) * sizeof(double);
 }
 

@@ -19,7 +19,7 @@ Message& Message::add(const Message& after) {
 }
 
 void Message::turn_times() {
-  for (Time& time : times_) time.t = 0 - time.t;  // 0 has no sign
+  for (Time& time : times_) time.t = 0 - time.t;  // 0, never −0
 }
 
 std::string Message::text() const {

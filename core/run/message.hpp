@@ -1,5 +1,5 @@
-// What a run says of itself in words, with the times in it kept as numbers: a run backward in time is one of a scene
-// that was turned, and gives them their other sign before all is put into words.
+// Text that a run produces, with the times in it kept as numbers: a run backward in time is that of a scene reversed in
+// time, and changes the sign of these times before they become text.
 #pragma once
 
 #include <iosfwd>
@@ -14,7 +14,7 @@ class Message {
   Message() = default;
   Message(std::string words) : words_(std::move(words)) {}  // NOLINT: words are a message
   Message(const char* words) : words_(words) {}             // NOLINT: the same
-  /// "t = 1.5" with so many digits; 0: as many as it takes to read back the same number.
+  /// time(t) is "t = 1.5" with so many digits; 0: the shortest text that reads back as t.
   static Message time(double t, int digits = 0);
 
   friend Message operator+(Message before, const Message& after) { return std::move(before.add(after)); }
@@ -31,7 +31,7 @@ class Message {
 
  private:
   struct Time {
-    std::size_t place;  ///< in the words, before which it stands
+    std::size_t place;  ///< position in words_ before which the time stands
     double t;
     int digits;
   };
@@ -39,7 +39,7 @@ class Message {
   Message& add(const Message& after);
 
   std::string words_;
-  std::vector<Time> times_;  ///< by their places
+  std::vector<Time> times_;  ///< in order of their places
 };
 
 }  // namespace least

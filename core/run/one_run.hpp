@@ -1,4 +1,4 @@
-// A run on its way: what it has, and what it does at each block of steps (run.cpp) and where it ends (run_ends.cpp).
+// A run while it lasts: its data, what it does at each block of steps (run.cpp) and how it ends (run_ends.cpp).
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@
 
 namespace least {
 
-/// What keeps the rows of a section, as a receiver of rows.
+/// SectionSink passes the rows of a section to the sink of a run.
 class SectionSink final : public RowSink {
  public:
   explicit SectionSink(RowSink& sink) : sink_(sink) {}
@@ -84,14 +84,14 @@ class Run {
   static constexpr double infinite = std::numeric_limits<double>::infinity();
 
   bool keeps_samples() const { return request_.record.mode != Record::Mode::every || request_.record.count > 0; }
-  /// Says how far the run got, and hands over what waits. False: the receiver takes no more.
+  /// report tells the sink how far the run got, and hands over the rows that wait. False: the sink takes no more.
   bool report() {
     return writer_.hand_over() && section_writer_.hand_over() && sink_.progress(std::min(state_.x.t, end_), state_.n);
   }
-  /// An event that acts has ended it here: it goes on from what that made of the state, and then those that vanish in
-  /// the same instant, each of what the one before has left. False: the run is over.
+  /// start_anew goes on after an event that acts has ended the run: it applies the act, then the other acts of the same
+  /// instant, each to the state that the one before has left. False: the run is over.
   bool start_anew();
-  /// One of them acts. False: nothing can go on from there.
+  /// act applies the act of one event. False: the run cannot go on from there.
   bool act(std::size_t which);
   Work work() const {
     const Work here = integrator_->work();
@@ -120,16 +120,16 @@ class Run {
 
   bool initialize();
 
-  /// One block of steps and what falls due at its end.
+  /// advance_block takes one block of steps and does what falls due at its end.
   bool advance_block();
 
-  /// The zeros of sections within the last step.
+  /// Locates the zeros of sections within the last step.
   void locate_sections() {
     if (diagnostics_.watches_sections()) least::locate_sections(problem_, *integrator_, state_, events_);
   }
-  /// Events between two states of the last step, or of the next one, up to the first that ends the run. What vanishes
-  /// in the same instant as one that acts follows after that; an act in the instant of one before it that stops the run
-  /// does not happen any more.
+  /// locate_watched records the events between two states of the last or of the next step, up to the first that ends
+  /// the run. Events in the same instant as one that acts are handled after its act; an act in the same instant as an
+  /// earlier event that stops the run does not happen.
   void locate_watched(const RunState& from, const RunState& to) {
     bool acts = false;
     const auto keep_going = [this] {
@@ -148,8 +148,8 @@ class Run {
       acts = request_.events[zero.which].act != nullptr;
     }
   }
-  /// Whether the last step was searched to its end. Else it is taken back, for what happened in it is not known, and
-  /// the run ends.
+  /// searched returns whether the last step was searched to its end. Otherwise the step is undone, since it is not
+  /// known what happened in it, and the run ends.
   bool searched() {
     if (cut_short_ == ReturnCode::completed) return true;
     if (!fixed_) step_back();
@@ -157,11 +157,12 @@ class Run {
   }
   void add_event(const Zero& zero, const RunState& x) {
     if (request_.is_plane(zero.which)) return pass(x);
-    const std::size_t size = 32 * std::max<std::size_t>(card_.variables.size() / 16, 1);  // numbers, by its memory
+    // The memory of one event, in numbers.
+    const std::size_t size = 32 * std::max<std::size_t>(card_.variables.size() / 16, 1);
     if (events_.room(size * outcome_.events.size()))
       outcome_.add_event(watch_.event(zero, card_, shown_variables(request_, problem_.traits, x)));
   }
-  /// The last step is taken back, and what was found in it.
+  /// step_back undoes the last step, and drops what was found in it.
   void step_back() {
     integrator_->step_back(state_);
     std::erase_if(outcome_.events, [&](const Report& event) { return Watch::time(event) > state_.x.t; });
@@ -170,15 +171,16 @@ class Run {
     ended_.reset();
     end_ = planned_end_;
   }
-  /// A step that was taken by another method than the one before it is an event, at the state it began with.
+  /// record_method_switch reports a step by another method than the one before as an event, at the state where the step
+  /// began.
   void record_method_switch();
 
-  /// Whether samples wait until the step they lie in has been looked at, for it may end the run.
+  /// Whether samples wait until the step in which they lie has been searched, since an event in it may end the run.
   bool looks_first() const { return fixed_ && watch_.may_end(); }
   bool known(double t) const { return looks_first() ? t <= state_.x.t : integrator_->reaches(state_, t); }
-  /// When the next row is due, of the samples or of a section by time.
+  /// The time of the next row, of the samples or of a section by time.
   double due() const { return std::min(schedule_.time(), section_times_.time()); }
-  /// That row, or both.
+  /// Saves that row, or both where they have the same time.
   bool save_next(const RunState& x, const StepInfo& step) {
     const double t = due();
     const bool sample = schedule_.time() == t, point = section_times_.time() == t;
@@ -186,9 +188,9 @@ class Run {
     if (point) section_times_.next();
     return (!sample || save(x, step)) && (!point || save_point(x, step)) && within_budget(1);
   }
-  /// The rows before the end that can be told from here.
+  /// Saves all rows before the end whose states are known.
   bool save_due();
-  /// The state at a time within the last step, by a polynomial through both of its ends.
+  /// The state at a time within the last step, by a Hermite polynomial between its ends.
   StepStatus between_ends_of_step(double t, RunState& x) const;
   /// How the last step, which ended in the state, was taken.
   StepInfo last_step() const {
@@ -203,42 +205,45 @@ class Run {
       return stop(ReturnCode::not_finite, messages::column(writer.wrong_column()));
     return written == TrajectoryWriter::Written::yes || receiver_is_gone();
   }
-  /// A point of the section, as long as there is room.
+  /// Saves a point of the section, as long as there is room.
   bool save_point(const RunState& x, const StepInfo& step) {
     return points_++ >= most_points_ || save(x, step, section_writer_);
   }
-  /// The run passes the plane of the section. Where it has just begun anew it was there before the act.
+  /// pass notes that the run passes the plane of the section at x, unless that is where an act has just restarted the
+  /// run: then it was noted before the act.
   void pass(const RunState& x) {
     constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
     if (!acted_ || x.t > began_ + rounding * std::abs(began_)) passed_.push_back({x, last_step()});
   }
-  /// Where the run passed the plane of the section, once nothing can take the step back.
+  /// Saves the passages of the plane, once their step can no longer be undone.
   bool save_passed() {
     for (const auto& [x, step] : std::exchange(passed_, {}))
       if (!save_point(x, step)) return false;
     return true;
   }
-  /// Samples from the last one to the time t, within the last step or one ahead, where they are to draw a curve.
+  /// draw saves samples from the last one up to the time t, within the last step or one ahead, for a curve.
   bool draw(double t);
   bool receiver_is_gone() { return stop(ReturnCode::cancelled, "the receiver of the samples went away"); }
 
-  /// The state at the end, by a shorter step or within the last one, and the samples there.
+  /// finish moves the state to the end, by a shorter step or within the last one, and saves the samples up to there.
   void finish();
-  /// The samples that are left up to the state x, in which the run ends.
+  /// Saves the samples that are left up to the state x, in which the run ends.
   bool save_rest(const RunState& x, const StepInfo& step);
 
-  /// The end at an event within the last step, or in the part of the next one that stays in the domain. Samples go by
-  /// time up to it, by steps up to the last one before it; diagnostics take it for the end of that step.
+  /// finish_at_event ends the run at an event within the last step, or in the part of the next one that stays in the
+  /// domain. Samples by time go up to the event, samples by steps up to the last step before it; for diagnostics the
+  /// last step ends at the event.
   void finish_at_event();
 
-  /// What lies ahead of the state went wrong.
+  /// fail ends the run for what went wrong in the step ahead of the state.
   bool fail(const BlockResult& result);
 
-  /// When the motion that began at the start becomes infinite, if it does so near here; else unknown.
+  /// The time at which the true motion from the start becomes infinite, if that is near the present time; else unknown.
   double true_singularity();
   bool stop_as_unstable();
   double nominal_step() const { return request_.setting("step", scheme_); }
-  /// The next step leads out of the domain, or is outside on its way, at `outside_at`: to where it does, or to the end.
+  /// leave_domain handles a next step that ends outside the domain, or is outside at `outside_at`: the run goes on to
+  /// the boundary, or to its end if that comes first.
   bool leave_domain(double outside_at = unknown);
   Solution conclude();
 
@@ -250,14 +255,14 @@ class Run {
   const Scene& scene_ = *request_.scene;
   const ProblemCard& card_ = scene_.card();
   const SchemeCard& scheme_ = scene_.mechanics->schemes()[request_.scheme];
-  bool fixed_ = !scheme_.own_clock;  ///< steps are of equal length, those of grid_; else its step is 0
+  bool fixed_ = !scheme_.own_clock;  ///< steps of equal length, those of grid_; else grid_.step is 0
   Grid grid_;
-  double loop_end_;  ///< steps go on until one reaches this time; infinite where their number says when to end
+  double loop_end_;  ///< steps go on until one reaches this time; infinite if the run ends by the number of steps
   double end_;       ///< the time of the final state; infinite where it is not known beforehand
   double planned_end_ = end_;
-  std::int64_t last_step_;  ///< or until there are this many
+  std::int64_t last_step_;  ///< steps go on until there are this many
   SaveSchedule schedule_;
-  double drawn_;  ///< until when samples draw a curve; infinite where they do not
+  double drawn_;  ///< time up to which samples draw the curve; infinite where they do not
   SectionTimes section_times_;
   RowSink& sink_;
   SectionSink section_sink_;
@@ -269,8 +274,8 @@ class Run {
   Watch watch_;
   Acts acts_{backend_, request_};
   bool acted_ = false;
-  double began_ = 0;  ///< when an act has let the run begin anew
-  Work put_aside_;    ///< of integrators before the last act
+  double began_ = 0;  ///< the time at which the last act restarted the run
+  Work put_aside_;    ///< cost of the integrators before the last act
   DiagnosticSet diagnostics_;
   Events events_;
   StepGuard guard_;
@@ -280,7 +285,8 @@ class Run {
   std::optional<ActiveMethod> method_;
   bool shows_discrete_energy_ = false;
   Solution outcome_;
-  std::int64_t kept_ = 0, points_ = 0;  ///< rows of samples by steps, and of the section, as many as there would be
+  /// Rows of samples by steps, and of the section, including those that were not kept for lack of room.
+  std::int64_t kept_ = 0, points_ = 0;
   struct Passage {
     RunState x;
     StepInfo step;
@@ -289,8 +295,8 @@ class Run {
   Snapshots snapshots_;
   struct EndAtEvent {
     RunState x;
-    std::size_t which;              ///< what vanishes
-    std::vector<std::size_t> also;  ///< and what else does in the instant in which it acts
+    std::size_t which;              ///< the watched expression that vanishes
+    std::vector<std::size_t> also;  ///< others that vanish in the instant in which it acts
   };
   std::optional<EndAtEvent> ended_;
   ReturnCode cut_short_ = ReturnCode::completed;  ///< why the last step was not searched to its end

@@ -18,7 +18,7 @@ Report words(std::string_view key, std::string_view text) {
 
 namespace {
 
-/// In memory, about, with what a list of them has in reserve.
+/// bytes_of estimates the memory of a report, with the reserve of a list of them.
 std::size_t bytes_of(const Report& report) {
   std::size_t bytes = 2 * sizeof(Report) + 16;
   if (const auto* parts = std::get_if<std::vector<Report>>(&report.value))

@@ -18,19 +18,19 @@
 
 namespace least {
 
-/// A tree of named results, so that a new diagnostic needs no new code in an encoder. Non-finite numbers stand for
-/// "cannot be said" and are written as null.
+/// Report is a tree of named results, so that a new diagnostic needs no new code in an encoder. Non-finite numbers
+/// stand for unknown values and are written as null.
 struct Report {
   using Value = std::variant<std::monostate, double, bool, std::string, std::vector<double>, std::vector<Report>>;
   std::string key;
   Value value;
 };
 
-/// A result that is several numbers, by name.
+/// numbers returns a result that consists of several numbers with names.
 Report numbers(std::string_view key, std::initializer_list<std::pair<std::string_view, double>> parts);
-/// Text, null where there is none.
+/// words returns a text, null if it is empty.
 Report words(std::string_view key, std::string_view text);
-/// Puts a part into a result that has parts, before the one at `place` or at the end.
+/// insert puts a part into a result that has parts, before the part at `place` or at the end.
 void insert(Report& report, std::size_t place, Report part);
 
 /// Receives blocks of samples as they are computed.
@@ -39,9 +39,9 @@ class RowSink {
   virtual ~RowSink() = default;
   /// rows: whole rows in row-major order, one number per column asked for. False ends the run as cancelled.
   virtual bool append(std::span<const double> rows) = 0;
-  /// The same of rows of the request's section_columns().
+  /// The same for rows of the request's section_columns().
   virtual bool append_section([[maybe_unused]] std::span<const double> rows) { return true; }
-  /// Told a few times a second how far the run got. False ends it as cancelled.
+  /// Called a few times a second with how far the run got. False ends the run as cancelled.
   virtual bool progress([[maybe_unused]] double t, [[maybe_unused]] std::int64_t steps) { return true; }
 };
 
@@ -79,16 +79,16 @@ struct Solution {
   std::vector<double> final;        ///< in the order of the problem's variables
   std::vector<Report> diagnostics;  ///< one entry per diagnostic asked for
   std::vector<Report> events;       ///< each a list: t, kind, …
-  std::vector<Report> acts;         ///< what events did to the state: name, count, keeps, defect
-  std::string event;                ///< of the caller's own, that ended the run; empty: none did
-  std::int64_t event_count = 0;     ///< how often that one has acted; 0: it does not act
+  std::vector<Report> acts;         ///< for each event that acted: name, count, keeps, defect (Acts::reports)
+  std::string event;                ///< name of the caller's event that ended the run; empty: none did
+  std::int64_t event_count = 0;     ///< how often that event has acted; 0: it does not act
   std::vector<Warning> warnings;
   Cost cost;
-  Held held = HeldByThread::take(0);  ///< for the events, of which there may be many
+  Held held = HeldByThread::take(0);  ///< memory of the events, of which there may be many
 
   /// Throws MemoryShortage.
   void add_event(Report report);
-  /// One more part of the last one.
+  /// Adds one more part to the last event; throws MemoryShortage.
   void extend_event(Report part);
 };
 

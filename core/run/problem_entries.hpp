@@ -10,7 +10,7 @@
 
 namespace least {
 
-/// Of the problem P with states X.
+/// traits_of returns the traits of the problem P with states X.
 template <class P, class X>
 constexpr ProblemTraits traits_of() {
   ProblemTraits traits;
@@ -190,7 +190,7 @@ class ProblemEntries : public ProblemTable {
  private:
   EnergyTerms terms_at([[maybe_unused]] const X& x) const {
     EnergyTerms terms{unknown, unknown, unknown, unknown};
-    if constexpr (Potential<P>) {  // H is the sum of its parts, which are not computed twice
+    if constexpr (Potential<P>) {  // H as the sum of its parts, so that none is computed twice
       const auto f = phase(problem_, x.t);
       terms.kinetic = 0.5 * dot(x.p, velocity(problem_, x.q, x.p));
       terms.potential = problem_.potential(x.q, f);

@@ -19,41 +19,43 @@
 
 namespace least {
 
-/// Which states are kept.
+/// Record says which states a run keeps.
 struct Record {
   enum class Mode { every, samples, times, curve };
   Mode mode = Mode::every;
-  /// every: the stride in steps, 0 keeps nothing; samples, curve: how many, both ends, uniform in time or in arc
+  /// Mode `every`: the stride in steps, 0 keeps nothing. `samples` and `curve`: the number of samples with both ends,
+  /// uniform in time or in arc length.
   std::int64_t count = 1;
-  std::vector<double> times;  ///< times: increasing, within the span
+  std::vector<double> times;  ///< for mode `times`: increasing, within the span
 };
 
-/// Budgets. A run that meets one ends with a status and keeps what it has.
+/// Limits of a run. A run that reaches one ends with a status and keeps what it has.
 struct Limits {
   double seconds = 10;
   std::int64_t steps = 100'000'000;
-  std::int64_t samples = 5'000'000;  ///< numbers kept at most, rows × columns
+  std::int64_t samples = 5'000'000;  ///< largest number of numbers kept, rows × columns
 };
 
 struct Act;
 
-/// What is looked for in an expression: zeros where it rises (1), falls (−1) or both (0), and whether one ends the run,
-/// or what it does to the state.
+/// EventAsked says which zeros of an expression are events: where it rises (1), falls (−1) or both (0), and whether one
+/// ends the run, or what it does to the state.
 struct EventAsked {
   int direction = 0;
   bool stop = false;
   std::shared_ptr<const Act> act{};
 };
 inline constexpr std::size_t most_events = 16;
-/// With the expression of a section.
+/// Events, and the expression of a section.
 inline constexpr std::size_t most_watched = most_events + 1;
 inline constexpr std::array<std::string_view, 3> event_directions{"up", "down", "both"};
 
-/// Where a run is looked at beside its samples, and rows of the same columns are kept: at the times phase + k·period
-/// after the start, or where an expression vanishes, which then is the first that the request watches.
+/// Section is a Poincaré section: rows of the request's columns that are kept beside the samples, either at the times t
+/// = phase + k·period later than the start, or (plane) where an expression vanishes, the first one that the request
+/// watches.
 struct Section {
   bool plane = false;
-  double period = 0, phase = 0;  ///< of the run's own time
+  double period = 0, phase = 0;  ///< in the time of the run
 };
 
 struct Request {
@@ -65,27 +67,28 @@ struct Request {
   std::int64_t steps = 0;
   Record record;
   Norm norm = Norm::absolute;  ///< of every error that is asked for
-  /// Positions among the problem card's columns; beyond them, one after the other, among `measures`.
+  /// Indices into the problem card's columns; larger ones continue in `measures`.
   std::vector<std::size_t> columns;
   Measures measures;                     ///< columns of the caller's own
   std::vector<std::size_t> diagnostics;  ///< indices into the problem card's diagnostics
-  Measures watched;                      ///< the plane of a section, and events of the caller's own: their zeros
-  std::vector<EventAsked> events;        ///< one for each
+  Measures watched;  ///< expressions whose zeros are searched: the plane of a section, then events of the caller's own
+  std::vector<EventAsked> events;  ///< one for each of `watched`
   std::optional<Section> section{};
   Limits limits;
-  /// Rows that limits.samples leaves room for.
+  /// The number of rows that limits.samples leaves room for.
   std::int64_t most_rows() const {
     return limits.samples / std::max<std::int64_t>(static_cast<std::int64_t>(columns.size()), 1);
   }
-  /// Whether it is the plane of the section, of what is watched.
+  /// Whether this one of `watched` is the plane of the section.
   bool is_plane(std::size_t which) const { return which == 0 && section && section->plane; }
-  /// What a row of the section holds: the time, which is the first of a problem's columns, and the columns asked for.
+  /// The columns of a row of the section: the time, which is the first of a problem's columns, then the columns asked
+  /// for.
   std::vector<std::size_t> section_columns() const {
     std::vector<std::size_t> all{0};
     std::ranges::copy_if(columns, std::back_inserter(all), [](std::size_t place) { return place != 0; });
     return all;
   }
-  /// The card of one of `columns`.
+  /// The card of a column, by an index as in `columns`.
   const ColumnCard& column(std::size_t place) const {
     const auto& known = scene->card().columns;
     return place < known.size() ? known[place] : measures.list.at(place - known.size()).card;
@@ -95,9 +98,9 @@ struct Request {
     const auto at = card.find(name);
     return at ? settings[*at] : std::numeric_limits<double>::quiet_NaN();
   }
-  bool control = false;  ///< afterwards a second, short run by another scheme, and a warning where they disagree
-  /// Of a search, which wants a rough answer soon: stability is looked at roughly, and nothing is said of why a run
-  /// ends or against it.
+  bool control = false;  ///< add a short run by another scheme afterwards, and a warning where the two disagree
+  /// For runs of a search, which needs a rough answer soon: stability is checked roughly, and the run gives no reasons
+  /// for its end and no warnings.
   bool probe = false;
 };
 

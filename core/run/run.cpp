@@ -1,5 +1,5 @@
-// One run of one problem by one scheme, whatever sets its clock: the samples, the diagnostics and the end, around
-// blocks of steps that an integrator takes.
+// One run of one problem by one scheme, with equal steps or the scheme's own clock: samples, diagnostics and the end,
+// around blocks of steps of an integrator.
 #include "core/run/run.hpp"
 
 #include <algorithm>
@@ -40,7 +40,7 @@ bool Run::advance_block() {
   record_method_switch();
   if (crossed) locate_watched(integrator_->left(), state_.x);
   if (RunState x = state_.x;
-      !fixed_ && x.t > end_ && !ended_ && !watch_.empty())  // beyond the end nothing was looked at
+      !fixed_ && x.t > end_ && !ended_ && !watch_.empty())  // the part of the step up to the end was not searched
     if (integrator_->state_at(state_, end_, x) == StepStatus::ok) locate_watched(integrator_->left(), x);
   if (!searched()) return false;
   if (!ended_) diagnostics_.resume(state_.x);
@@ -56,7 +56,7 @@ void Run::record_method_switch() {
   const auto now = integrator_->method();
   if (now == method_) return;
   const auto was = std::exchange(method_, now);
-  if (state_.n == 1 && now->mode == was->mode) return;  // the first step only made its choice
+  if (state_.n == 1 && now->mode == was->mode) return;  // the first step only chose its parameter
   if (!events_.room(outcome_.events.size())) return;
   if (problem_.traits.conservative)
     outcome_.add_event(method_switch(card_, problem_, integrator_->left(), state_.x, *was, *now,
@@ -67,9 +67,9 @@ bool Run::save_due() {
   while (due() < end_ && known(due())) {
     RunState x = state_.x;
     StepStatus status = integrator_->state_at(state_, due(), x);
-    // Of a step that was taken a shorter one may fail: what is recorded changes no run.
+    // A shorter step may fail although the whole step succeeded; recording a state must not change a run.
     if (status != StepStatus::ok && due() < state_.x.t) status = between_ends_of_step(due(), x);
-    if (status != StepStatus::ok || problem_.outside(x)) {  // a long step may lead out of the domain and back
+    if (status != StepStatus::ok || problem_.outside(x)) {  // a long step may leave the domain and return
       if (due() < state_.x.t) step_back();
       return status == StepStatus::ok ? leave_domain(due()) : fail(BlockResult::failed(status));
     }
@@ -90,7 +90,7 @@ StepStatus Run::between_ends_of_step(double t, RunState& x) const {
 bool Run::draw(double t) {
   if (!(t > drawn_)) return true;
   RunState x = state_.x;
-  if (t != x.t && integrator_->state_at(state_, t, x) != StepStatus::ok) return true;  // what comes next tells of it
+  if (t != x.t && integrator_->state_at(state_, t, x) != StepStatus::ok) return true;  // the next step will report it
   const StepInfo step = last_step();
   const double share = std::isfinite(planned_end_) ? (t - scene_.start) / (planned_end_ - scene_.start) : unknown;
   const std::size_t parts = std::max<std::size_t>(writer_.parts(x, step, share), integrator_->parts());

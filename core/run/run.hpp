@@ -1,4 +1,4 @@
-// One run of one problem by one scheme, whatever sets its clock.
+// One run of one problem by one scheme, with equal steps or with the scheme's own clock.
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace least {
 
-/// The run of a checked request. `columns`: all of the scene, in the order of its card.
+/// run executes a checked request. `columns`: all of the scene, in the order of its card.
 Solution run(const RunBackend& backend, const Request& request, const std::vector<Column>& columns, RowSink& sink,
              const std::atomic<bool>& cancelled);
 

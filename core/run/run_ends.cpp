@@ -29,18 +29,18 @@ void Run::finish() {
   }
   if (ended_) return finish_at_event();
   for (const std::size_t which : reached_at_end(problem_, *integrator_, state_, watch_)) {
-    if (ended_) {  // what vanishes in the same instant as one that acts follows after that
+    if (ended_) {  // zeros in the same instant as one that acts are handled after its act
       ended_->also.push_back(which);
       continue;
     }
     add_event({state_.x.t, which}, state_.x);
-    if (!watch_.ends(which) || !outcome_.event.empty()) continue;  // the run is over with the first that stops it
+    if (!watch_.ends(which) || !outcome_.event.empty()) continue;  // the first that stops the run counts
     if (request_.events[which].act)
       ended_.emplace(EndAtEvent{state_.x, which, {}});
     else
       outcome_.event = watch_.name(which);
   }
-  if (fixed_) step.discrete_energy = last_step().discrete_energy;  // of the shorter step
+  if (fixed_) step.discrete_energy = last_step().discrete_energy;  // that of the shorter step
   if (end_ < infinite && (!fixed_ || draw(end_))) save_rest(state_.x, step);
 }
 
@@ -106,7 +106,7 @@ bool Run::act(std::size_t which) {
   if (effect == Acts::Effect::not_finite) return stop(ReturnCode::not_finite, messages::act_not_finite(name));
   if (!outcome_.events.empty() && Watch::time(outcome_.events.back()) == state_.x.t)
     outcome_.extend_event(Watch::after(card_, shown_variables(request_, problem_.traits, state_.x)));
-  acted_ = true;  // what the run says of itself is said of its parts
+  acted_ = true;  // from here on evidence is that of the part since the act
   evidence_ = Evidence(problem_.traits, fixed_ ? std::optional(grid_.steps - state_.n) : std::nullopt, false);
   evidence_.start(problem_, state_.x);
   const bool over = effect == Acts::Effect::completes || request_.events[which].stop;
@@ -122,7 +122,7 @@ bool Run::act(std::size_t which) {
 }
 
 bool Run::fail(const BlockResult& result) {
-  if (result.status == StepStatus::solver_failed)  // which it says of a step that was not to go on as well
+  if (result.status == StepStatus::solver_failed)  // also the status of a step that was told to end
     if (const ReturnCode reason = budget_.look(); reason != ReturnCode::completed) return goes_on(reason);
   if (result.end == BlockEnd::left_domain) return leave_domain();
   if (result.end == BlockEnd::too_fast) return stop_as_unstable();
@@ -141,11 +141,11 @@ bool Run::fail(const BlockResult& result) {
 double Run::true_singularity() {
   if (problem_.traits.quadratic_contact) {
     if (request_.probe) return unknown;
-    // Of steps that adapt the mean: the last ones before an end are as short as time can tell.
+    // For adaptive steps the mean: the last ones before an end are as short as the resolution of time.
     const bool adapts = !fixed_ && state_.n > 0;
     const double step = adapts ? (state_.x.t - scene_.start) / static_cast<double>(state_.n) : grid_.step;
-    // The run may have stepped over more than the motion can be followed through: a damping γs that changes its sign
-    // without end. A step of a series is longer than one of a scheme.
+    // The run may have stepped over something that the motion cannot be followed through: a damping γs with ever more
+    // changes of sign. A step of a series is longer than one of a scheme.
     constexpr std::int64_t few = 1000;
     std::int64_t left = std::max(few, state_.n);
     if (step > 0)
@@ -170,7 +170,7 @@ bool Run::leave_domain(double outside_at) {
   if (!watch_.empty() && integrator_->state_at(state_, std::min(when, end_), x) == StepStatus::ok)
     locate_watched(state_.x, x);
   if (!searched()) return false;
-  // The run ends at the last time that is known to lie inside: `when` is rounded.
+  // The run ends at the last time known to lie inside, since `when` is rounded.
   double until = std::min(when, end_);
   for (double back = epsilon * std::abs(when); until > state_.x.t; back *= 2) {
     if (until < when && integrator_->state_at(state_, until, x) == StepStatus::ok && !problem_.outside(x)) break;
@@ -204,7 +204,7 @@ bool Run::leave_domain(double outside_at) {
 
 Solution Run::conclude() {
   const Work work = this->work();
-  outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // what follows is not part of it
+  outcome_.cost = {state_.n, work.forces, work.iterations, budget_.seconds()};  // the rest is not part of the cost
   save_passed();
   if (!writer_.finish(budget_.half()) || !section_writer_.finish(budget_.half())) receiver_is_gone();
   warn_of_the_run();
@@ -236,7 +236,7 @@ void Run::warn_of_the_run() {
   evidence_.finish(problem_, state_);
   const KeepGoing shortly = budget_.shortly();
   std::optional<Request> alone;
-  if (acted_) alone.emplace(request_).control = false;  // a control run knows no acts
+  if (acted_) alone.emplace(request_).control = false;  // a control run does not apply acts
   const Request& last = alone ? *alone : request_;
   warn_of_run({backend_, last, scheme_, state_, grid_.step, *integrator_, guard_, evidence_, acted_, shortly},
               outcome_.warnings);

@@ -1,4 +1,4 @@
-// The state of a run of any problem, as numbers whose count is known when it runs.
+// The state of a run of any problem, as numbers whose count is known only at run time.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,8 @@
 
 namespace least {
 
-/// The numbers of one state. Up to twenty of them, as of eight degrees of freedom, stand in place.
+/// StateNumbers are the numbers of one state. Up to twenty of them, enough for eight degrees of freedom, are stored in
+/// place, without an allocation.
 class StateNumbers {
  public:
   StateNumbers() = default;
@@ -43,7 +44,7 @@ class StateNumbers {
   double& operator[](std::size_t i) { return data()[i]; }
   double operator[](std::size_t i) const { return data()[i]; }
 
-  /// What the numbers are afterwards is not said.
+  /// The values are unspecified afterwards.
   void resize(std::size_t count) {
     if (count > in_place) elsewhere_.resize(count);
     count_ = count;
@@ -56,7 +57,7 @@ class StateNumbers {
  private:
   static constexpr std::size_t in_place = 20, few = 8;
 
-  /// Steps copy states: few numbers are copied by as many instructions, whatever their count, and no call.
+  /// Steps copy states: up to `few` numbers are copied as a block of fixed size, without a loop or a call.
   void copy(const StateNumbers& other) {
     if (other.count_ > few) return assign(other.begin(), other.end());
     count_ = other.count_;
@@ -73,11 +74,11 @@ class StateNumbers {
 
   std::size_t count_ = 0;
   std::array<double, in_place> here_;
-  std::vector<double> elsewhere_;  ///< all of them, where they are more
+  std::vector<double> elsewhere_;  ///< all numbers, if there are more than in_place
 };
 
-/// A state that stands elsewhere: the time and the components in their order, after which come the components of a
-/// tangent direction where the run carries one.
+/// StateView refers to a state stored elsewhere: the time and the components in order, followed by the components of a
+/// tangent direction if the run carries one.
 struct StateView {
   double t;
   const double* numbers;
@@ -85,19 +86,19 @@ struct StateView {
   double operator[](std::size_t i) const { return numbers[i]; }
 };
 
-/// Rows of states after steps: the time, and the numbers of the state.
+/// StateRows are rows of states after steps, each of `width` numbers: the time, then the numbers of the state.
 struct StateRows {
   const double* first;
   std::size_t width, count;
 
   StateView operator[](std::size_t i) const { return {first[i * width], first + i * width + 1}; }
-  /// So many of them from the i-th on, or as many as there are.
+  /// At most `most` rows from row i on.
   StateRows part(std::size_t i, std::size_t most) const {
     return {first + i * width, width, std::min(most, count - i)};
   }
 };
 
-/// A state that holds its numbers.
+/// RunState is a state that owns its numbers.
 struct RunState {
   using Number = double;
 
@@ -113,14 +114,14 @@ struct RunState {
 template <class X>
 inline constexpr std::size_t numbers_in = Sloped<X> ? 2 * X::size : X::size;
 
-/// How many components a state has, whether its type says so or it knows itself.
+/// components_in returns the number of components of a state, a constant of its type or known to a RunState.
 template <class X>
 constexpr std::size_t components_in([[maybe_unused]] const X& x) {
   if constexpr (std::is_same_v<X, RunState>) return x.size();
   if constexpr (!std::is_same_v<X, RunState>) return X::size;
 }
 
-/// The state of a problem's own type.
+/// state_from converts to the state type X of a problem.
 template <class X>
 X state_from(StateView view) {
   X x;

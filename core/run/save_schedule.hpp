@@ -1,4 +1,4 @@
-// Where a run stops to look: the grid t₀ + n·h of whole steps with the shorter step to the end, and the samples.
+// The times of a run: the grid t₀ + n·h of whole steps with the shorter step to the end, and the times of the samples.
 #pragma once
 
 #include <algorithm>
@@ -11,24 +11,25 @@
 
 namespace least {
 
-/// Steps beyond which n + 1 and n are the same double.
+/// The largest step number: beyond it n + 1 and n are the same double.
 inline constexpr double most_steps = 9.0e15;
 
-/// How many whole steps h > 0 stand between two times; a last one that rounding has cut short counts as whole.
+/// whole_steps returns the number of whole steps h > 0 between two times; a last step that is short only by rounding
+/// counts as whole.
 inline std::int64_t whole_steps(double start, double end, double h) {
   constexpr double slack = 4 * std::numeric_limits<double>::epsilon();
   const double whole = std::floor((end - start) / h * (1 + slack));
   return whole > 0 ? static_cast<std::int64_t>(std::min(whole, most_steps)) : 0;  // NaN counts as none
 }
 
-/// The grid of a run of fixed steps, of which the one that ends at `start` is the `first`. `tail` is what is left to
-/// the end after the last whole step, 0 where nothing is.
+/// Grid is the grid of a run of equal steps; step number `first` ends at `start`. `tail` is the length of the shorter
+/// step from the last whole step to the end, 0 if there is none.
 struct Grid {
   double start = 0, step = 0, end = 0, tail = 0;
   std::int64_t first = 0, steps = 0;
 
   double time(std::int64_t n) const { return start + static_cast<double>(n - first) * step; }
-  /// The last whole step at or before the time t.
+  /// The number of the last whole step at or before the time t.
   std::int64_t step_before(double t) const {
     if (!(t < time(steps))) return steps;
     // The grid is the truth; the quotient is off by one step at most.
@@ -38,14 +39,14 @@ struct Grid {
     return n;
   }
 
-  /// The first whole step at or after the time t, as far as there is one.
+  /// The number of the first whole step at or after the time t, or of the last step.
   std::int64_t step_after(double t) const {
     const std::int64_t n = step_before(t);
     return n < steps && time(n) < t ? n + 1 : n;
   }
 
   Grid(const Request& request, double h) : Grid(request, h, request.scene->start, 0) {}
-  /// Of what is left of a run that begins anew at the time t, after n steps.
+  /// The grid of the rest of a run that restarts at the time t, after n steps.
   Grid(const Request& request, double h, double t, std::int64_t n) : start(t), step(h), first(n) {
     if (request.until_steps) {
       steps = request.steps;
@@ -60,12 +61,12 @@ struct Grid {
   }
 };
 
-/// The samples that a run keeps before its end, one after the other: every so many steps, or by time.
+/// SaveSchedule lists the samples that a run keeps before its end: every so many steps, or by time.
 class SaveSchedule {
  public:
   static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
-  /// `end`: of the run; infinite where a number of steps that set their own clock makes it.
+  /// `end` of the run; infinite if a number of self-timed steps determines it.
   SaveSchedule(const Request& request, double end) : record_(request.record), start_(request.scene->start), end_(end) {}
 
   /// The step of the next sample; `never` where samples go by time.
@@ -73,8 +74,7 @@ class SaveSchedule {
     if (record_.mode != Record::Mode::every || record_.count == 0) return never;
     return index_ * record_.count;
   }
-  /// The time of the next sample; infinite where there is none, or samples go by steps. Where it is the end, it is the
-  /// end to the bit.
+  /// The time of the next sample; infinite if there is none, or samples go by steps. The last one is exactly the end.
   double time() const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     if (record_.mode == Record::Mode::every || record_.mode == Record::Mode::curve || index_ >= count())
@@ -84,7 +84,7 @@ class SaveSchedule {
     return start_ + (end_ - start_) * (static_cast<double>(index_) / static_cast<double>(count() - 1));
   }
   void next() { ++index_; }
-  /// At the time `now` it is found that the end is another one: samples that are left come sooner or later with it.
+  /// Changes the end of the run, at the time `now`: the remaining samples are spread evenly up to the new end.
   void move_end(double now, double end) {
     if (end_ > now) start_ = now + (start_ - now) * ((end - now) / (end_ - now));
     end_ = end;

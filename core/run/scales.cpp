@@ -7,7 +7,7 @@ namespace {
 
 constexpr double no_rate = -std::numeric_limits<double>::infinity();
 
-/// ln Σ |c_k| τᵏ over from ≤ k < to, of logarithms, so that no unit is too large or too small for it.
+/// log_sum returns ln Σ |c_k| τᵏ over from ≤ k < to from the logarithms ln |c_k|, so that no unit makes it overflow.
 double log_sum(std::span<const double> logs, double log_tau, std::size_t from, std::size_t to) {
   double most = no_rate, sum = 0;
   for (std::size_t k = from; k < to; ++k) most = std::max(most, logs[k] + static_cast<double>(k) * log_tau);
@@ -16,10 +16,10 @@ double log_sum(std::span<const double> logs, double log_tau, std::size_t from, s
   return most + std::log(sum);
 }
 
-/// The logarithm of the time after which the terms behind velocity and acceleration come up to those two. Infinite for
-/// a motion that has no others.
+/// log_time returns ln of the time at which the terms of higher order become as large as those of velocity and
+/// acceleration (or of the first order that does not vanish and the next); infinite if there are no higher terms.
 double log_time(std::span<const double> logs) {
-  constexpr double widest = 1500;  // beyond all that doubles can say
+  constexpr double widest = 1500;  // beyond ln of the largest double
   const std::size_t end = logs.size();
   std::size_t first = 1;
   if (logs[1] == no_rate && logs[2] == no_rate)
@@ -40,7 +40,7 @@ double log_time(std::span<const double> logs) {
 }  // namespace
 
 Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t coordinates, std::size_t momenta) {
-  constexpr double turn = 3;  // of the time so defined is 1/ω of an oscillator
+  constexpr double turn = 3;  // the time so defined is about three times 1/ω of an oscillator
   double log_tau = -no_rate;
   std::vector<double> logs(orders.size());
   for (std::size_t i = 0; i < coordinates; ++i) {
@@ -64,7 +64,7 @@ Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t
 
 Scales scales_of_motion(tape::Program program, const double* start, double t, std::size_t components,
                         std::size_t half) {
-  constexpr int order = 8;  // of a start at rest where the force has no slope the sixth is the first to turn it
+  constexpr int order = 8;  // for a start at rest where the force has no slope, order 6 is the first to turn the motion
   tape::Series series(std::move(program), order, false);
   series.expand(start, t);
   std::vector<std::vector<double>> orders;
@@ -73,8 +73,9 @@ Scales scales_of_motion(tape::Program program, const double* start, double t, st
 }
 
 Scales scales_of_orbit(double mu, double r, double v_squared) {
-  // A start at the periapsis of a long ellipse is far faster than its period says: no step may be that long.
-  constexpr double longest = 32;  // times the time that belongs to the start
+  // At the periapsis of a long ellipse the motion is far faster than its period suggests: the time is bounded by that
+  // of the start.
+  constexpr double longest = 32;  // in units of the local time √(r³/μ)
   const double energy = mu / r - v_squared / 2;
   if (!(mu > 0 && r > 0 && energy > 0)) return {};
   const double a = mu / (2 * energy), here = r * std::sqrt(r / mu);

@@ -1,7 +1,7 @@
-// How long, how strong and how wide a motion is near its start, in the units of its scene: what defaults are measured
-// by, so that a scene behaves the same in metres and seconds, in nanometres and femtoseconds, or in any other units.
-// Where the problem is an orbit about an attracting centre these follow from its energy; elsewhere from the Taylor
-// series of the motion at its start.
+// The characteristic time, energy and length of a motion near its start, in the units of its scene. Defaults are scaled
+// by them, so that a scene behaves the same in metres and seconds, in nanometres and femtoseconds, or in any other
+// units. For an orbit about an attracting centre they follow from its energy; otherwise from the Taylor series of the
+// motion at its start.
 #pragma once
 
 #include <algorithm>
@@ -15,17 +15,17 @@
 
 namespace least {
 
-/// From Taylor coefficients of a motion at its start, `orders[k][i]` that of the order k of the i-th variable. Of the
-/// variables the first `coordinates` are looked at; their momenta, if it has any, stand `momenta` places behind; 0: it
-/// is a flow.
+/// scales_of_series computes the scales from Taylor coefficients of a motion at its start; `orders[k][i]` is that of
+/// order k of variable i. The first `coordinates` variables are looked at; the momentum of variable i is variable i +
+/// `momenta`, or for a flow `momenta` is 0.
 Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t coordinates, std::size_t momenta);
 
-/// Of a bound orbit in the plane or in space about a centre of this strength, of a body of mass 1 at the distance r
-/// with the square v² of its velocity. Nothing where the orbit is not bound.
+/// scales_of_orbit returns the scales of an orbit about a centre of strength mu, of a body of unit mass at the distance
+/// r with the squared speed v_squared. Zeros if the orbit is not bound.
 Scales scales_of_orbit(double mu, double r, double v_squared);
 
-/// Of a motion from the series of its equations at a start with so many components; `half`: of mechanics the number of
-/// its coordinates, of a flow 0.
+/// scales_of_motion computes the scales from the series of the equations at a start with so many components; `half` is
+/// the number of coordinates of mechanics, 0 for a flow.
 Scales scales_of_motion(tape::Program program, const double* start, double t, std::size_t components, std::size_t half);
 
 template <class P>

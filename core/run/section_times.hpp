@@ -1,4 +1,4 @@
-// The times at which a section by its period looks.
+// The times of a section that is given by a period.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,8 @@
 
 namespace least {
 
-/// The times phase + k·period after the start, one after the other; of any other section, or of none, no time.
+/// SectionTimes lists the times t = phase + k·period later than the start; none for a section by a plane, or without a
+/// section.
 class SectionTimes {
  public:
   SectionTimes(const std::optional<Section>& section, double start) {
@@ -18,7 +19,7 @@ class SectionTimes {
     k_ = std::floor((start - section_.phase) / section_.period);
     for (int n = 0; n < 2 && !(time() > start); ++n) ++k_;
   }
-  /// The next one; infinite where there is none.
+  /// The next time; infinite if there is none.
   double time() const { return section_.phase + k_ * section_.period; }
   void next() { ++k_; }
 

@@ -1,6 +1,6 @@
-// Schemes that set their own clock: a step says how long it took, and the states in between come from the dense output
-// of the step they lie in. The end is overshot, unless a step can be told how long it may be at most: then the last one
-// ends there. Every step is looked at: they are few and dear.
+// Schemes that set their own clock: a step determines its length, and states in between come from the dense output of
+// the step in which they lie. The end is overshot, unless the scheme accepts a largest length of a step (step_within):
+// then the last step ends there. Each step is checked by itself: steps are few and expensive.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@ class SelfTimedIntegrator final : public Integrator {
   using State = IntegrationState;
 
  public:
-  /// `end`: diagnostics see no state beyond it.
+  /// `end` of the run: diagnostics see no state beyond it.
   SelfTimedIntegrator(const RunBackend& backend, const P& problem, const Scheme& scheme, const X& x, double end)
       : backend_(backend),
         problem_(problem),
@@ -32,7 +32,7 @@ class SelfTimedIntegrator final : public Integrator {
 
   BlockResult advance(State& state, StepTarget target, StepGuard& guard, DiagnosticSet* diagnostics) override {
     if (along_series_ && state.n == 0 && advance_on_series(state, diagnostics)) return {};
-    // What is cheap to copy may live in registers meanwhile.
+    // A stepper that is cheap to copy is copied, so that it may stay in registers meanwhile.
     using Working = std::conditional_t<std::is_trivially_copyable_v<Stepper>, Stepper, Stepper&>;
     Working stepper = stepper_;
     X x = state_from<X>(state.x), left = left_;
@@ -52,7 +52,7 @@ class SelfTimedIntegrator final : public Integrator {
       const double h = duration(stepper, x, y), part = h - late;
       const double t = within && h == most ? end_ : compensated ? x.t + part : y.t;
       result = judge(y, h, t);
-      if constexpr (hybrid && HasFrequency<P>) {  // steps in time, at either end of which the motion may be too fast
+      if constexpr (hybrid && HasFrequency<P>) {  // for steps in time: the motion may be too fast at either end
         const double frequency = problem_.frequency_squared(y.q);
         const bool in_time = stepper.active_method().mode == Mode::hamilton || stepper.active_method().parameter < 0;
         if (result && in_time) guard.see((frequency > last_frequency ? frequency : last_frequency) * h * h);
@@ -185,12 +185,12 @@ class SelfTimedIntegrator final : public Integrator {
     if constexpr (requires { Stepper::parts; }) return Stepper::parts;
     return 1;
   }();
-  /// A step can be told how long it may be.
+  /// Whether a step accepts a largest length.
   static constexpr bool within = requires(Stepper & s, X& x, double most) { s.step_within(x, most); };
 
-  /// The scheme says of each step how long it took: the sum is compensated.
+  /// The scheme returns the length of each step: the sum of the lengths is compensated for rounding (late_).
   static constexpr bool compensated = !reads_time;
-  /// Its steps ask for the time they begin at.
+  /// Its steps read the time at which they begin.
   static constexpr bool told_time = requires { requires Stepper::reads_time; };
 
   struct Nothing {};
@@ -200,7 +200,7 @@ class SelfTimedIntegrator final : public Integrator {
     return {};
   }
   struct NoMemory {};
-  /// What steps remember beside the state.
+  /// memory_of returns what a stepper remembers between steps beside the state.
   static auto memory_of([[maybe_unused]] const Stepper& stepper) {
     if constexpr (requires { stepper.memory(); }) {
       return stepper.memory();
@@ -209,7 +209,7 @@ class SelfTimedIntegrator final : public Integrator {
     }
   }
   using Memory = decltype(memory_of(std::declval<const Stepper&>()));
-  /// A stepper at x. One that is bound to nothing but the problem need not be made again.
+  /// bound returns a stepper at x. A stepper that depends only on the problem need not be bound again.
   Stepper bound(const X& x) const {
     if constexpr (requires { stepper_.anew(); }) {
       return stepper_.anew();
@@ -217,7 +217,7 @@ class SelfTimedIntegrator final : public Integrator {
       return scheme_.bind(problem_, x, energy_);
     }
   }
-  /// A stepper that goes on from x.
+  /// stepper_at returns a stepper that continues from x.
   Stepper stepper_at(const X& x, [[maybe_unused]] const Memory& memory) const {
     Stepper stepper = bound(x);
     if constexpr (requires { stepper.resume(x, memory); }) stepper.resume(x, memory);
@@ -242,7 +242,7 @@ class SelfTimedIntegrator final : public Integrator {
     }
     return status == StepStatus::ok ? BlockResult{} : BlockResult::failed(status);
   }
-  /// Of a step of length h that ended in y at the time t.
+  /// judge checks a step of length h that ended in y at the time t.
   BlockResult judge(const X& y, double h, double t) const {
     constexpr double largest_square = largest_component * largest_component;
     double size = 0;
@@ -254,14 +254,14 @@ class SelfTimedIntegrator final : public Integrator {
     if constexpr (std::is_same_v<X, RunState>) return table_.outside(x);
     if constexpr (!std::is_same_v<X, RunState>) return least::outside(problem_, x);
   }
-  /// Only the direction of what a state carries as one means something.
+  /// Rescales the tangent direction that a state carries; only its direction has a meaning.
   void normalise_slope(X& x) const {
     if constexpr (Sloped<X>) normalise(x);
     if constexpr (std::is_same_v<X, RunState>)
       if (table_.traits.sloped) normalise_slopes(x.numbers.data() + table_.traits.components, table_.traits.components);
   }
 
-  /// Whether the motion from x, where steps of some length h no longer advance the run, goes on at all.
+  /// still_moves returns whether the motion goes on from x at all, where steps of length h no longer advance the run.
   bool still_moves(const X& x, double h) {
     constexpr double few = 64;  // steps
     if (!goes_on(backend_, moving_part(backend_, run_state(x)), few * h)) return false;
@@ -269,7 +269,7 @@ class SelfTimedIntegrator final : public Integrator {
     return true;
   }
 
-  /// Shows the diagnostics states within the last step, where the scheme has a polynomial of it.
+  /// look_within shows the diagnostics states within the last step, if the scheme has dense output.
   void look_within(const Stepper& stepper, const X& left, const X& x, DiagnosticSet& diagnostics) const {
     X state = x;
     for (int i = 1; i < step_parts; ++i) {
@@ -277,8 +277,8 @@ class SelfTimedIntegrator final : public Integrator {
       diagnostics.look(run_state(state));
     }
   }
-  /// And the state x, with what the caller watches on the way to it: where the scheme has no polynomial of the step, by
-  /// one through both ends.
+  /// see shows the diagnostics the state x, and lets them search the step for zeros: by the scheme's dense output, or
+  /// by the Hermite polynomial between both ends.
   void see(const Stepper& stepper, const X& left, const X& x, DiagnosticSet& diagnostics) const {
     const RunState from = run_state(left), to = run_state(x);
     std::optional<HermitePath> path;
@@ -297,7 +297,8 @@ class SelfTimedIntegrator final : public Integrator {
     diagnostics.see(from, to, std::max(step_parts / 4, 2), std::ref(between));
   }
 
-  /// x at a time within the last step, which ended in `state`. `work`: what that cost, where it counts.
+  /// interpolate sets x to the state at t within the last step, which ended in `state`. `work` receives the cost, may
+  /// be null.
   StepStatus interpolate([[maybe_unused]] const State& state, double t, X& x, Work* work) const {
     x = state_from<X>(state.x);
     if (!(t < x.t)) return StepStatus::ok;
@@ -324,8 +325,8 @@ class SelfTimedIntegrator final : public Integrator {
     return StepStatus::ok;
   }
 
-  /// The first step from a time at which the equations of motion are singular: along the regular solution, as far as
-  /// its series reaches or the run goes. False where it reaches no further than the start.
+  /// advance_on_series takes the first step from a time at which the equations of motion are singular: along the
+  /// regular solution, as far as its series or the run goes. False if that is no further than the start.
   bool advance_on_series(State& state, DiagnosticSet* diagnostics) {
     const RunState x = table_.series_state(std::min(table_.traits.series_until, end_));
     if (!(x.t > state.x.t)) return along_series_ = false;
@@ -344,12 +345,12 @@ class SelfTimedIntegrator final : public Integrator {
   double energy_;
   Stepper stepper_;
   X left_;
-  Memory memory_ = memory_of(stepper_), left_memory_ = memory_;  ///< at the last state, and at left_
+  Memory memory_ = memory_of(stepper_), left_memory_ = memory_;  ///< of the stepper at the last state, and at left_
   [[no_unique_address]] std::conditional_t<hybrid, X, Nothing>
-      before_left_{};  ///< where the step before the last began
+      before_left_{};  ///< the state at which the step before the last began
   double end_;
   StandstillWatch standstill_;
-  double late_ = 0;  ///< what rounding has kept from the sum of the steps
+  double late_ = 0;  ///< by how much rounding has made the time of the state too late
   bool along_series_ = false;
   Work between_;
 };

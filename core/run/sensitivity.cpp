@@ -13,8 +13,8 @@
 namespace least {
 namespace {
 
-/// Whether differences may grow exponentially on a motion that stays bounded: not on one with a closed form, nor in a
-/// plane that no time changes.
+/// may_be_sensitive returns whether differences may grow exponentially while the motion stays bounded: not if it is
+/// known in closed form, nor for an autonomous motion in a plane.
 bool may_be_sensitive(const RunBackend& backend, StateView start) {
   if (backend.has_closed_form(start)) return false;
   std::size_t components = 0;
@@ -26,7 +26,7 @@ bool may_be_sensitive(const RunBackend& backend, StateView start) {
   return std::ranges::any_of(rates, [&](tape::Index rate) { return depends(Symbol::at(tape, rate)) != 0; });
 }
 
-/// How far differences have grown, step by step, as `Conditioning` judges it.
+/// GrowthSoFar records how far differences have grown, step by step, and judges it as `Conditioning` does.
 class GrowthSoFar {
  public:
   void see(double t, double growth) {
@@ -34,7 +34,7 @@ class GrowthSoFar {
     seen_.emplace_back(t, most_);
   }
   double most() const { return most_; }
-  /// Exponentially all along the time since `from`.
+  /// Whether they have grown exponentially all along the time since `from`.
   bool exponential(double from) const {
     if (seen_.empty()) return false;
     Conditioning known;
@@ -78,11 +78,12 @@ std::optional<Sensitivity> sensitivity(const RunBackend& backend, RunState x, st
     if (backend.has_component(i)) u[i] = 1 / std::sqrt(++known);
   path.start(x, u.data());
 
-  constexpr double rounding = 0x1p-53, surely = 100;  // by how much less the true motion is off than what it judges
-  constexpr double beyond = 1.3, kept = 1e-3;         // a growth that is over soon, as of a passage, is none
-  constexpr double by_itself = 30;  // growth below which a run is off by its steps, whatever the motion
+  // `surely`: the true motion has to be more accurate than the error that it judges by this factor.
+  constexpr double rounding = 0x1p-53, surely = 100;
+  constexpr double beyond = 1.3, kept = 1e-3;  // growth that ends soon, as in a close passage, does not count
+  constexpr double by_itself = 30;             // with less growth an error of the run is due to its steps
   GrowthSoFar growths;
-  std::optional<double> lost, drowned;  // when the run's digits are gone; and those of any in double precision
+  std::optional<double> lost, drowned;  // when the digits of the run are lost; and those of any run in double precision
   double drowned_growth = 0, noise = 0, growth = 1;
   const auto measure = [&] {
     const RunState here = path.state();

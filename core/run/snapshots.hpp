@@ -9,13 +9,13 @@
 
 namespace least {
 
-/// Keeps the state at every stride-th step, the stride doubling whenever there are too many, so that what is kept
-/// depends on where the run got to and on no plan.
+/// Snapshots keeps the state at every stride-th step and doubles the stride whenever there are too many states, so that
+/// it needs no plan of how long the run will be.
 class Snapshots {
  public:
   void see(const IntegrationState& state) {
     if (state.n % stride_ != 0) return;
-    constexpr std::size_t copies = 4;  // what they are held against, and the sizes there, stand beside them
+    constexpr std::size_t copies = 4;  // the states, those that they are compared with, and sizes there
     const std::size_t bytes = copies * state.x.size() * sizeof(double);
     held_.add(bytes);
     states_.push_back(state.x);
@@ -25,7 +25,7 @@ class Snapshots {
     held_.shrink_to(states_.size() * bytes);
     stride_ *= 2;
   }
-  /// The next step after the n-th to be seen.
+  /// The next step after n whose state is kept.
   std::int64_t next(std::int64_t n) const { return (n / stride_ + 1) * stride_; }
   const std::vector<RunState>& states() const { return states_; }
 
@@ -33,7 +33,7 @@ class Snapshots {
   static constexpr std::size_t most = 256;
   std::int64_t stride_ = 1;
   std::vector<RunState> states_;
-  Held held_ = HeldByThread::take(0);  ///< for them
+  Held held_ = HeldByThread::take(0);  ///< memory of the states
 };
 
 }  // namespace least

@@ -20,11 +20,12 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The trace and the determinant of a step's matrix; not finite where the step fails.
+/// StepMap holds the trace and the determinant of a step's matrix; not finite if the step fails.
 struct StepMap {
   double trace = infinite, determinant = infinite;
 
-  /// Schur's and Cohn's conditions for eigenvalues within the unit circle, each not negative: at 1, at −1, and complex.
+  /// The conditions of Schur and Cohn for eigenvalues within the unit circle, none negative if stable: at 1, at −1, and
+  /// complex.
   std::array<double, 3> margins() const { return {1 + determinant - trace, 1 + determinant + trace, 1 - determinant}; }
   bool stable() const {
     constexpr double accuracy = 1e-11;
@@ -37,7 +38,7 @@ struct StepMap {
   }
 };
 
-/// A step of length 1 of a scheme whose parameter `step` is 1.
+/// unit_step returns the map of a step of length 1 of a scheme whose parameter `step` is 1.
 template <class Scheme, class P>
 StepMap unit_step(const Scheme& scheme, const P& oscillator) {
   double m[2][2];
@@ -56,18 +57,19 @@ StepMap unit_step(const Scheme& scheme, const P& oscillator) {
   return {m[0][0] + m[1][1], m[0][0] * m[1][1] - m[0][1] * m[1][0]};
 }
 
-/// Steps of a length in time, of which there may be a longest that is stable.
+/// steps_in_time: steps have a length in time, and so possibly a longest stable one.
 template <class Scheme>
 constexpr bool steps_in_time = !SelfTimed<Scheme> || requires(const Scheme& scheme) {
   scheme.in_time();
 };
-/// What takes steps of oscillators, damped or not. Of other schemes nothing is known on a line.
+/// moves_oscillators: the scheme takes steps of oscillators, damped or not. For other schemes no bound is known.
 template <class Scheme>
 constexpr bool moves_oscillators = FixedStepSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
                                    SelfTimedSchemeFor<Scheme, problems::HarmonicOscillator<>> ||
                                    FixedStepSchemeFor<Scheme, problems::DampedOscillator<>>;
 
-/// The identity stands for a scheme that has no bound of its own: its steps are not of time.
+/// step_map returns the map of a step at z and a; the identity for a scheme without a bound, whose steps are not steps
+/// of time.
 template <class Scheme>
 StepMap step_map(std::span<const double> settings, double z, double a) {
   auto scheme = from_values<Scheme>(Scheme::fields, settings);
@@ -88,7 +90,7 @@ StepMap step_map(std::span<const double> settings, double z, double a) {
   }
 }
 
-/// The setting that everything is scaled by; beyond the last where there is none.
+/// step_setting returns the index of the setting `step`, the unit of z and a; beyond the last one if there is none.
 template <class Scheme>
 constexpr std::size_t step_setting() {
   std::size_t i = 0;
@@ -107,14 +109,14 @@ struct Entry {
   StepMap (*map)(std::span<const double>, double, double);
   double (*flip)(std::span<const double>);
   std::size_t step;
-  bool steps_in_time;  ///< else there is no bound
+  bool steps_in_time;  ///< otherwise there is no bound
 };
 template <class... Scheme>
 constexpr std::array<Entry, sizeof...(Scheme)> entries(std::tuple<Scheme...>*) {
   return {Entry{&step_map<Scheme>, &flip<Scheme>, step_setting<Scheme>(),
                 steps_in_time<Scheme> && moves_oscillators<Scheme>}...};
 }
-/// Of schemes that are found in the text of a scene nothing is known on a line.
+/// For schemes of scenes given as text no bound is known.
 template <class... Scheme>
 constexpr std::array<Entry, sizeof...(Scheme)> entries_without_bounds(std::tuple<Scheme...>*) {
   return {Entry{[](std::span<const double>, double, double) {
@@ -130,19 +132,19 @@ constexpr auto scheme_entries = [] {
   return all;
 }();
 
-/// Where along a line in (z, a) steps are stable.
+/// Line searches the stable steps along the line z·u, a0 + a·u.
 class Line {
  public:
   Line(std::size_t scheme, std::span<const double> settings, double z, double a0, double a)
       : map_(scheme_entries[scheme].map), settings_(settings), z_(z), a0_(a0), a_(a) {}
 
-  /// The stable intervals up to u = most. One that reaches that end goes on to infinity.
+  /// The stable intervals of u up to `most`. One that reaches `most` extends to infinity.
   std::vector<Interval> stable(double most) const {
     std::vector<Interval> found;
-    // Without damping what grows as a power of the step is known by a step that is not too small.
+    // Without damping, growth by a power of the step is only visible at a step that is not too small.
     double u = damped() ? 1e-6 : spacing(0);
-    std::array<Look, 3> last{};  // the newest first
-    bool open = false;           // the last interval goes on
+    std::array<Look, 3> last{};  // newest first
+    bool open = false;           // whether the last interval is still open
     for (int k = 0; last[0].u < most; ++k) {
       last = {Look{u, map_at(u)}, last[0], last[1]};
       if (k > 1 && open)
@@ -170,7 +172,7 @@ class Line {
   static double spacing(double u) { return std::max(0.01, u / 400); }
   StepMap map_at(double u) const { return map_(settings_, z_ * u, a0_ + a_ * u); }
 
-  /// Between a stable u and one that is not.
+  /// border returns the stable end of a bracket between a stable and an unstable u.
   double border(double stable, double failing) const {
     while (std::abs(failing - stable) > 1e-9 * std::abs(stable)) {
       const double middle = (stable + failing) / 2;
@@ -179,11 +181,13 @@ class Line {
     }
     return stable;
   }
-  /// A u that is not stable between three that are: where a margin has its minimum, if it comes near 0 between them.
+  /// gap_between returns an unstable u between three stable ones: it searches the minimum of a margin that comes near 0
+  /// between them.
   std::optional<double> gap_between(const std::array<Look, 3>& last) const {
     for (const Look& look : last)
       if (!look.map.stable()) return std::nullopt;
-    const std::size_t margins = damped() ? 3 : 2;  // without damping the determinant is 1 to round-off, or nowhere
+    // Without damping the determinant is 1 to round-off everywhere, or nowhere.
+    const std::size_t margins = damped() ? 3 : 2;
     for (std::size_t i = 0; i < margins; ++i) {
       const double left = last[2].map.margins()[i], here = last[1].map.margins()[i], right = last[0].map.margins()[i];
       if (!(here <= left && here < right && here < left + right - 2 * here)) continue;
@@ -199,8 +203,8 @@ class Line {
     return std::nullopt;
   }
 
-  /// Stable steps between three that are not: about where the least of the margins has its maximum, if that comes near
-  /// 0 between them.
+  /// island_between returns an interval of stable steps between three unstable ones: it searches the maximum of the
+  /// least margin, if that comes near 0 between them.
   std::optional<Interval> island_between(const std::array<Look, 3>& last) const {
     const auto least = [](const StepMap& map) { return std::ranges::min(map.margins()); };
     for (const Look& look : last)
@@ -226,16 +230,17 @@ class Line {
   double z_, a0_, a_;
 };
 
-/// What is known of a line: everything up to `searched`.
+/// Known holds the stable intervals of a line up to `searched`.
 struct Known {
   std::vector<double> line{};
   double searched = 0;
   std::vector<Interval> stable;
 };
 
-/// The stable intervals along z = z₁u, a = a₀ + a₁u up to u = needed and somewhat further, or as far as is looked:
-/// beyond, what is stable there goes on. (A step of 1e100 would ask for 10⁵ maps.) Runs in a row ask for the same: a
-/// thread asks the others for what it has not asked for last. Good until it asks again.
+/// along returns the stable intervals along z = z₁u, a = a₀ + a₁u up to u = needed and somewhat further, but not beyond
+/// u = 4096: what is stable there is taken to be stable for all larger u. (A step of 1e100 would ask for 10⁵ maps.)
+/// Results are cached for all threads; each thread keeps its last one, since consecutive runs ask for the same. The
+/// reference is valid until the thread asks again.
 const std::vector<Interval>& along(std::size_t scheme, std::span<const double> settings, double z, double a0, double a,
                                    double needed) {
   constexpr double farthest = 4096;
@@ -247,7 +252,7 @@ const std::vector<Interval>& along(std::size_t scheme, std::span<const double> s
   key.assign(settings.begin(), settings.end());
   if (scheme_entries[scheme].step < key.size()) key[scheme_entries[scheme].step] = 0;
   for (double& x : key)
-    if (std::isnan(x)) x = infinite;  // keys are ordered
+    if (std::isnan(x)) x = infinite;  // NaN would break the order of the keys
   key.insert(key.end(), {static_cast<double>(scheme), z, a0, a});
   if (last->line == key && last->searched >= needed) return last->stable;
   {

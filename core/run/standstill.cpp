@@ -10,7 +10,7 @@
 namespace least {
 namespace {
 
-/// The largest of the rates of a state; NaN where one is no number.
+/// largest_rate returns the largest |ẋ_i| at a state; NaN if one is NaN.
 double largest_rate(const RunBackend& backend, StateView x) {
   StateNumbers rates(backend.motion().traits.components);
   backend.motion().rates(x, rates.data());
@@ -20,23 +20,23 @@ double largest_rate(const RunBackend& backend, StateView x) {
   return most;
 }
 
-/// A control run on its way to a place where the motion ends.
+/// Approach takes control runs towards a point where the motion ends.
 class Approach {
  public:
-  /// Of a walk: the time it came to, and whether it can go no further.
+  /// End is where a walk ended: its time, and whether no step leads further.
   struct End {
     double t;
     bool stands;
   };
 
-  /// `most_forces`: evaluations of each of the walks; keep_going() is asked now and then.
+  /// `most_forces` bounds the evaluations of each walk; keep_going() is asked now and then.
   Approach(const RunBackend& backend, const RunState& start, std::int64_t most_forces, const KeepGoing& keep_going)
       : backend_(backend), start_(start), most_forces_(most_forces), keep_going_(keep_going) {
     const double size = size_of(start);
     if (size > 0 && size < 1) size_ = size;
   }
 
-  /// From the start to `until`, or as far as steps lead; see(state) is called after each.
+  /// walk goes from the start to `until`, or as far as steps lead; it calls see(state) after each step.
   template <class See>
   End walk(double tolerance, double until, See&& see) const {
     constexpr double much = 10;
@@ -48,7 +48,7 @@ class Approach {
     StandstillWatch watch(start_.t, 0);
     for (int step = 1; x.t < until; ++step) {
       const double before = x.t;
-      if (const double now = std::min(size_of(x), 1.0); now > much * size) {  // it has outgrown its start
+      if (const double now = std::min(size_of(x), 1.0); now > much * size) {  // the state has outgrown its start
         size = now;
         forces += stepper.work().forces;
         stepper = stepper_of();
@@ -61,14 +61,15 @@ class Approach {
     return {x.t, false};
   }
 
-  /// Whether rates change on each scale of time on the way to `end`, as powers of what is left of it do: a walk has to
-  /// stop on each, and of a rate that is smooth at the end less and less of a change is left. Not so where the steps
-  /// are short for another reason.
+  /// sharpens returns whether the rates change on each scale of time on the way to `end`, as powers of the remaining
+  /// time do. A walk stops on each scale; if rates were smooth at the end, they would change less on each smaller one,
+  /// and steps would be short for another reason.
   bool sharpens(double tolerance, double end) const {
     constexpr int scales = 5;
     constexpr double first = 1e-2, least_change = 0.02, noise = 1e-12;
     const double span = end - start_.t;
-    std::array<std::optional<StateNumbers>, scales> at;  // after the first step that ends within first·10⁻ᵏ of the end
+    // The rates after the first step that ends within first·10⁻ᵏ of the end.
+    std::array<std::optional<StateNumbers>, scales> at;
     walk(tolerance, end, [&](const RunState& x) {
       const double left = (end - x.t) / span;
       if (!(left > 0 && left < first)) return;
@@ -79,7 +80,7 @@ class Approach {
     int changes = 0;
     std::optional<StateNumbers> last;
     for (const auto& rates : at) {
-      if (!rates) continue;  // one may be leapt over, where a step is short for its end alone
+      if (!rates) continue;  // a step may skip a scale
       if (last) {
         double most = 0, largest = 0;
         for (std::size_t i = 0; i < start_.size(); ++i)
@@ -106,7 +107,7 @@ class Approach {
   RunState start_;
   std::int64_t most_forces_;
   const KeepGoing& keep_going_;
-  double size_ = 1;  ///< of the start, where that is small: what errors are relative to at first
+  double size_ = 1;  ///< size of the start if below 1: errors are relative to it at first
 };
 
 }  // namespace
@@ -116,7 +117,7 @@ bool goes_on(const RunBackend& backend, RunState x, double duration) {
   constexpr double closely = 1e-14, growth = 3, shrinkage = 1e-2, recovery = 10;
   ControlStepper stepper(backend, closely);
   const double end = x.t + duration, before = largest_rate(backend, x);
-  double most = before, longest = 0, shortest = 0;  // the shortest step after the longest one
+  double most = before, longest = 0, shortest = 0;  // `shortest`: since the longest step
   for (int step = 0; x.t < end; ++step) {
     if (step % between_looks == 0 && !AskedByThread::goes_on()) return true;
     const double t = x.t;
@@ -126,7 +127,7 @@ bool goes_on(const RunBackend& backend, RunState x, double duration) {
     shortest = h > longest ? h : std::min(shortest, h);
     longest = std::max(longest, h);
     const bool grew = most > growth * before;
-    // It has come out of a fast passage, as that of a body near its sun, and a singularity is none.
+    // The motion has come out of a fast passage, as of a body near its sun, so there was no singularity.
     if (grew && h > recovery * shortest && rate * growth < most) return true;
     if (step >= patience && !(grew && h < shrinkage * longest)) return true;
     if (step == longest_look) return false;

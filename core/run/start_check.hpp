@@ -1,4 +1,4 @@
-// What no run can begin with.
+// Starts from which no run is possible.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@ struct StartObjection {
   double singular_at = unknown;
 };
 
-/// Against a run from x to the time `end`. `regular`: its first steps do not follow the equations of motion.
+/// start_objection returns why no run from x to the time `end` is possible. `regular`: the first steps do not evaluate
+/// the equations of motion at x.
 std::optional<StartObjection> start_objection(const ProblemTable& problem, StateView x, double end, bool regular);
 
 }  // namespace least

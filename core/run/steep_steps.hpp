@@ -1,5 +1,5 @@
-// Steep functions in the steps of a motion that is followed neither by series nor by a pair of schemes, which look for
-// them by themselves: a step is to be shortened where one may hide in it.
+// Steep functions of forces within steps of methods that do not look for them themselves, as series and pairs of
+// schemes do: a step that may hide one has to be shortened.
 #pragma once
 
 #include <memory>
@@ -12,13 +12,13 @@ namespace least {
 
 class SteepSteps {
  public:
-  /// `field`: the equations of motion of states with so many components; `steep`: null where there is nothing steep.
+  /// `field`: the equations of motion of states with so many components; `steep`: null if nothing is steep.
   SteepSteps(const odeint::Field& field, std::shared_ptr<const tape::SteepForces> steep, std::size_t components)
       : field_(field), steep_(std::move(steep)), components_(components) {}
 
   bool empty() const { return !steep_; }
-  /// What part of the step from a state to another resolves them, or somewhat less; 1: all of it. `tolerance`: of a
-  /// step.
+  /// resolved_part returns the fraction of the step between two states that resolves the steep functions, or somewhat
+  /// less; 1: the whole step. `tolerance` is that of a step.
   double resolved_part(StateView from, StateView to, double tolerance) const;
 
  private:
@@ -27,7 +27,7 @@ class SteepSteps {
   std::size_t components_;
 };
 
-/// Of a problem, which outlives it.
+/// steep_steps returns the SteepSteps of a problem, which has to outlive them.
 template <class P>
 SteepSteps steep_steps(const P& problem) {
   return {AnyOdeintStepper<P, StateOf<P>>::field_of(problem, nullptr), steep_forces(problem), StateOf<P>::size};

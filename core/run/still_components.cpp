@@ -14,7 +14,7 @@ void settle_still_components(const ProblemTable& problem, std::span<const RunSta
   const std::size_t size = problem.traits.components;
   const Held held = HeldByThread::take(size * size * sizeof(double));
   StateNumbers rates(size);
-  std::vector<double> slopes(size * size);  // of the rate i by the component j, column by column
+  std::vector<double> slopes(size * size);  // ∂ẋ_i/∂x_j at j·size + i
   std::vector<double> changes(size, 0), most_rate(size, 1 / (states.back().t - states.front().t));  // by kind
   const auto raise = [](double& most, double x) {
     if (std::isfinite(x)) most = std::max(most, x);
@@ -30,9 +30,10 @@ void settle_still_components(const ProblemTable& problem, std::span<const RunSta
     for (std::size_t i = 0; i < size; ++i)
       for (std::size_t j = 0; j < size; ++j) {
         const double slope = slopes[j * size + i];
-        if (slope == 0) continue;  // of a thousand components nearly all
+        if (slope == 0) continue;  // nearly all of them in a scene of a thousand components
         raise(changes[sizes.kind(i)], std::abs(slope) * sizes.largest(j));
-        raise(most_rate[sizes.kind(i)], std::sqrt(std::abs(slope * slopes[i * size + j])));  // i = j: its own
+        // For i = j this is the decay rate of the component.
+        raise(most_rate[sizes.kind(i)], std::sqrt(std::abs(slope * slopes[i * size + j])));
       }
   }
   for (std::size_t i = 0; i < size; ++i) {

@@ -1,4 +1,4 @@
-// Sizes of components that have none along a motion, for the relative norm.
+// Sizes for the relative norm of components that stay at 0 along a motion.
 #pragma once
 
 #include <functional>
@@ -9,12 +9,12 @@
 
 namespace least {
 
-/// Where a component is nothing but rounding along a motion, as the radial momentum on a circular orbit, its kind has
-/// no size of its own there. It gets one in its own unit: what a relative change of the whole state by 1 makes of its
-/// rate, for as long as it goes on making it: for no longer than the span, than the component lasts by itself, or than
-/// the inverse of the frequency at which it and another one drive each other. `states`: some of the motion, in the
-/// order of time, that have what it needs and no more, as the table does. Where keep_going(), asked now and then, says
-/// no, sizes stay as they are. Throws MemoryShortage.
+/// settle_still_components gives a size to kinds of components that are only rounding along a motion, as the radial
+/// momentum on a circular orbit. The size has the unit of the component: the change of its rate by a relative change 1
+/// of the whole state, times how long that change acts. This time is at most the span, the decay time of the component,
+/// or the inverse of the frequency at which it and another component drive each other. `states` are some of the motion,
+/// in order of time, with only those components that the motion needs, as is `problem`. Sizes stay as they are if
+/// keep_going() returns false. Throws MemoryShortage.
 void settle_still_components(const ProblemTable& problem, std::span<const RunState> states, ComponentSizes& sizes,
                              const std::function<bool()>& keep_going);
 

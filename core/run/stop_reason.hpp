@@ -1,4 +1,4 @@
-// Why a run stops where a step went wrong.
+// The reason why a run stops at a step that went wrong.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ struct StopReason {
   double singular_at = unknown;
 };
 
-/// Of a step that failed or ended in something that is not finite. `parameter`: it was taken with a coordinate in the
-/// place of the time; `why`: what the scheme says, may be empty; `singular_at`: when the motion becomes infinite, if it
-/// does so near here.
+/// stop_reason describes a step that failed or ended in a state that is not finite. `parameter`: the step was taken
+/// with a coordinate as parameter in place of the time; `why`: the scheme's own words, may be empty; `singular_at`:
+/// when the motion becomes infinite, if that is near.
 StopReason stop_reason(const BlockResult& result, bool fixed, bool parameter, const std::string& why,
                        double singular_at);
 

@@ -11,13 +11,13 @@
 namespace least {
 namespace {
 
-/// NaN says nothing.
+/// named returns the value of that name; empty if there is none, or it is NaN.
 std::optional<double> named(const std::vector<NamedValue>& values, std::string_view name) {
   const auto found = std::ranges::find(values, name, &NamedValue::first);
   return found == values.end() || std::isnan(found->second) ? std::nullopt : std::optional(found->second);
 }
 
-/// The scene that suggestions were made for.
+/// own_scene returns the scene that the suggestions were made for.
 Scene own_scene(const Scene& scene, const PresetCard* preset) {
   const ProblemCard& card = scene.card();
   Scene own{scene.mechanics, {}, {}, 0};
@@ -36,7 +36,7 @@ Scene own_scene(const Scene& scene, const PresetCard* preset) {
   return own;
 }
 
-/// How much larger a scale of a scene is than another's, as far as it matters: else 1.
+/// ratio returns here/there, or 1 where it is between `least` and `most`, or unknown.
 double ratio(double here, double there, double least, double most) {
   const double ratio = here / there;
   return ratio > 0 && std::isfinite(ratio) && !(ratio >= least && ratio <= most) ? ratio : 1;
@@ -45,7 +45,8 @@ double ratio(double here, double there, double least, double most) {
 struct Comparison {
   Scales here, there;
 };
-/// `of_card`: what was suggested for the scene that the card describes; else the default of the scheme.
+/// compare returns the scales of the scene, and of the scene that a suggestion was made for: that of the card if
+/// `of_card`, else the one that defaults of schemes assume.
 Comparison compare(const Scene& scene, const PresetCard* preset, bool of_card) {
   constexpr Scales typed{.time = 0.6, .energy = 0.5, .length = 0.5};
   if (!of_card) return {scene.mechanics->scales(scene), typed};
@@ -62,8 +63,8 @@ double rounded(double x) {
   return value;
 }
 
-/// What a setting of this name is multiplied by. A step that is too short costs time, one that is too long costs the
-/// run: so much the sooner it is changed.
+/// factor returns what a setting of this name is multiplied by. Steps are shortened sooner than lengthened: a step that
+/// is too short only costs time, one that is too long costs the run.
 double factor(const Comparison& scales, std::string_view name, const SchemeCard& scheme,
               const std::vector<double>& settings) {
   constexpr double shorter = 0.25, least = 1.0 / 30, most = 30;
@@ -74,7 +75,7 @@ double factor(const Comparison& scales, std::string_view name, const SchemeCard&
   if (name == "theta") return ratio(here.length, there.length, least, most);
   if (name == "critical_kinetic_energy" || name == "unit_energy") return energy;
   if (name != "sigma") return 1;
-  const auto exponent = scheme.find("exponent");  // dt = (K + κ)ᵏ⁻¹ dτ, where nothing is damped k = 0
+  const auto exponent = scheme.find("exponent");  // dt = (K + κ)ᵏ⁻¹ dτ, with k = 0 if nothing is damped
   const double power = here.damped && exponent ? 1 - settings[*exponent] : 1;
   return time * std::pow(energy, power);
 }
@@ -94,7 +95,7 @@ std::vector<double> plain_settings(const ProblemCard* problem, const SchemeCard&
 
 void adapt_to_units(const Scene& scene, const SchemeCard& scheme, const PresetCard* preset,
                     const std::vector<bool>& given, std::vector<double>& settings) {
-  std::array<std::optional<Comparison>, 2> scales;  // by `of_card`
+  std::array<std::optional<Comparison>, 2> scales;  // at index `of_card`
   for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
     const ParameterCard& parameter = scheme.parameters[i];
     if (given[i] || parameter.suggested.empty() || !std::isfinite(settings[i])) continue;

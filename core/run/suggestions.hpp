@@ -15,16 +15,16 @@
 
 namespace least {
 
-/// All settings of a scheme for a scene, which may be that of a preset with changes.
+/// suggested_settings returns all settings of a scheme for a scene, which may be that of a preset with changes.
 std::vector<double> suggested_settings(const Scene& scene, const SchemeCard& scheme,
                                        const PresetCard* preset = nullptr);
-/// As the cards have them, whatever the units of the scene.
+/// plain_settings returns the settings as the cards suggest them, whatever the units of the scene.
 std::vector<double> plain_settings(const ProblemCard* problem, const SchemeCard& scheme, const PresetCard* preset);
-/// Brings those of plain settings that were not given to the units of the scene.
+/// adapt_to_units scales those of `settings` that were not given to the units of the scene.
 void adapt_to_units(const Scene& scene, const SchemeCard& scheme, const PresetCard* preset,
                     const std::vector<bool>& given, std::vector<double>& settings);
-/// How long a run is by default: as the cards say, unless that is a thousand times as long or as short as the motion
-/// of the scene asks for.
+/// suggested_span returns the default length of a run: that of the cards, unless it is a thousand times too long or too
+/// short for the motion of the scene.
 double suggested_span(const Scene& scene, const PresetCard* preset);
 
 }  // namespace least

@@ -10,16 +10,16 @@
 
 namespace least {
 
-/// Where a step leads, and the derivatives of that by where it began, in the order of the components.
+/// Tangent is the image of a state under a step, and the matrix m[i][j] = ∂image_i/∂x_j in the order of the components.
 template <class X>
 struct Tangent {
   X image;
   Mat<int(X::size)> m{};
 };
 
-/// The tangent of a map of states, `step(y)` in dual numbers, at x. It is taken along one direction at a time: numbers
-/// with a slope for each direction are several times as much code for every scheme of every problem. Empty where a step
-/// fails, or keep_going(), asked before each of them, says no.
+/// tangent_of returns the tangent at x of a map of states, `step(y)` in dual numbers. It takes one direction at a time:
+/// numbers with a slope for each direction would be several times as much code for every scheme of every problem. Empty
+/// if a step fails, or keep_going(), called before each direction, returns false.
 template <class X, class Step>
 std::optional<Tangent<X>> tangent_of(const X& x, const StepTangents::KeepGoing& keep_going, Step&& step) {
   Tangent<X> tangent;
@@ -37,7 +37,7 @@ std::optional<Tangent<X>> tangent_of(const X& x, const StepTangents::KeepGoing& 
   return tangent;
 }
 
-/// A step on the extended space of a contact scene: where it began, and its tangent.
+/// ExtendedStep is a step on the extended space of a contact scene: its start, and its tangent.
 template <class Z>
 struct ExtendedStep {
   Z start;
@@ -53,7 +53,7 @@ struct ExtendedStepFor<P> {
   using type = ExtendedStep<Extended<P>>;
 };
 }  // namespace detail
-/// Empty for a scene that has none.
+/// ExtendedStepOf is an empty struct for a scene without an extended space.
 template <class P>
 using ExtendedStepOf = typename detail::ExtendedStepFor<P>::type;
 template <class Scheme, class P>
@@ -61,25 +61,25 @@ concept ExtendsTo = LinearContact<P> && requires(const Scheme& scheme, const P& 
   scheme.step_extended(problem, z, 0.0);
 };
 
-/// What a step does depends on more than the state that it begins at.
+/// AdaptsSteps: a step depends on more than the state at which it begins.
 template <class Scheme>
 concept AdaptsSteps = requires {
   requires Scheme::reads_time;
 }
 || requires { requires Scheme::remembers; };
 
-/// Where a step leads, and how that changes along one direction.
+/// StepChange is the image of a state under a step, and the derivative of the image along one direction.
 template <class X>
 struct StepChange {
   X image;
   Vec<int(X::size)> change;
-  double longer = 0;      ///< by how much the step takes more time
-  ActiveMethod course{};  ///< of a hybrid: how the step was taken
+  double longer = 0;      ///< derivative of the length of the step
+  ActiveMethod course{};  ///< how a hybrid took the step
 };
 
-/// Of a step that a scheme takes from x in a run from `start`, after one that was taken in this way, where x changes by
-/// u, the time by dt and the energy level by `level`: a scheme that sets its own clock may read them. Empty where the
-/// step fails.
+/// step_change returns the change of a step from x in a run from `start`, after a step by the method `before`, where x
+/// changes by u, the time by dt and the energy level by `level` (a scheme that sets its own clock may use the last
+/// three). Empty if the step fails.
 template <class Scheme, class P, class X>
 std::optional<StepChange<X>> step_change(const Scheme& scheme, const P& problem, [[maybe_unused]] const X& start,
                                          const X& x, [[maybe_unused]] const ActiveMethod& before,
@@ -110,8 +110,8 @@ std::optional<StepChange<X>> step_change(const Scheme& scheme, const P& problem,
   return found;
 }
 
-/// The same along all directions, as the first of the steps of a run. Empty also where keep_going(), asked before each
-/// of them, says no.
+/// step_tangent returns the same along all directions, for x as the first state of a run. Empty also if keep_going(),
+/// called before each direction, returns false.
 template <class Scheme, class P, class X>
 std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, const X& start, const X& x,
                                        const StepTangents::KeepGoing& keep_going) {
@@ -129,8 +129,8 @@ std::optional<Tangent<X>> step_tangent(const Scheme& scheme, const P& problem, c
   return tangent;
 }
 
-/// The tangent of a step on the extended space from p_t = −H, of steps that are contact maps there and not of the state
-/// alone.
+/// extended_step_tangent returns the tangent of a step on the extended space from p_t = −H, for steps that are contact
+/// maps on that space but not on the state alone.
 template <class Scheme, class P, class X>
 requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tangent(
     const Scheme& scheme, const P& problem, const X& start, const X& x, const StepTangents::KeepGoing& keep_going) {
@@ -151,7 +151,7 @@ requires ExtendsTo<Scheme, P> std::optional<ExtendedStepOf<P>> extended_step_tan
   return ExtendedStepOf<P>{z, *tangent};
 }
 
-/// The derivatives of the energy level of a run by its start.
+/// level_slopes returns the derivatives of the energy level of a run with respect to the components of its start.
 template <class Scheme, class P, class X>
 Vec<int(X::size)> level_slopes(const Scheme& scheme, const P& problem, const X& start) {
   Vec<int(X::size)> slopes{};
@@ -164,7 +164,7 @@ Vec<int(X::size)> level_slopes(const Scheme& scheme, const P& problem, const X& 
   return slopes;
 }
 
-/// A tangent as numbers.
+/// tangent_map converts a tangent to plain numbers.
 template <class X>
 TangentMap tangent_map(const X& from, const Tangent<X>& tangent) {
   TangentMap map;

@@ -13,7 +13,7 @@
 namespace least {
 namespace {
 
-/// A larger full matrix takes longer to decompose than anybody waits for a look at the clock.
+/// A larger full matrix would take too long to decompose between two looks at the clock.
 constexpr std::size_t largest_full_matrix = 512;
 
 bool is_diagonal(std::size_t n, const std::vector<double>& matrix) {
@@ -22,7 +22,7 @@ bool is_diagonal(std::size_t n, const std::vector<double>& matrix) {
   return true;
 }
 
-/// Whether a matrix is known to have an inverse.
+/// has_inverse returns whether a matrix (n × n, row-major) is known to have an inverse.
 bool has_inverse(std::size_t n, std::vector<double> matrix) {
   if (is_diagonal(n, matrix)) {
     for (std::size_t i = 0; i < n; ++i)
@@ -57,14 +57,15 @@ double TangentLength::operator()(StateView x, const double* u) const {
   return std::sqrt(square);
 }
 
-/// The change of q̇ along a tangent.
+/// velocity_slopes returns the derivative of q̇ along a tangent.
 StateNumbers TangentLength::velocity_slopes(StateView x, const double* u) const {
   StateNumbers slopes(n_);
   backend_.velocity_slopes(x, u, slopes.data());
   return slopes;
 }
 
-/// ∂q̇/∂p row by row, with units in the place of coordinates that the scene has not. Empty where there is no time.
+/// inverse_masses returns ∂q̇/∂p, row-major, with rows and columns of the identity for coordinates that the scene does
+/// not have. Empty if there is no time for it.
 std::vector<double> TangentLength::inverse_masses(StateView x, const KeepGoing& keep_going) const {
   std::vector<double> inverse(n_ * n_);
   for (std::size_t j = 0; j < n_; ++j) {
@@ -78,7 +79,8 @@ std::vector<double> TangentLength::inverse_masses(StateView x, const KeepGoing& 
   return inverse;
 }
 
-/// Whether H is quadratic in p, or a Lagrangian says what velocities are.
+/// has_kinetic_matrix returns whether H is quadratic in p with an invertible matrix, or a Lagrangian defines
+/// velocities.
 bool TangentLength::has_kinetic_matrix(const RunState& x, const KeepGoing& keep_going) const {
   if (!backend_.motion().traits.general || backend_.found() > 0) return true;
   const Held held = HeldByThread::take(3 * n_ * n_ * sizeof(double));
@@ -94,7 +96,7 @@ bool TangentLength::has_kinetic_matrix(const RunState& x, const KeepGoing& keep_
   return change <= 1e-9 * most && has_inverse(n_, here);
 }
 
-/// A state or a tangent as the norm reads it: with velocities in the place of momenta.
+/// as_measured returns a tangent as the norm reads it: with changes of velocities in the place of those of momenta.
 StateNumbers TangentLength::as_measured(StateView x, const double* u) const {
   StateNumbers seen(u, u + size_);
   if (by_velocities_) backend_.velocity_slopes(x, u, seen.data() + n_);
@@ -106,7 +108,7 @@ void TangentLength::measure(RunState x, double end, std::span<const std::size_t>
   constexpr double tolerance = 1e-5;
   double most = 0;
   for (std::size_t i = 0; i < size_; ++i) most = std::max(most, std::abs(x[i]));
-  const double relative = most > 0 ? std::min(1.0, most) : 1;  // the tolerance of small states is one of their size
+  const double relative = most > 0 ? std::min(1.0, most) : 1;  // the tolerance is relative to small states
   ControlStepper stepper(backend_, tolerance * relative);
   std::optional<StateNumbers> low, high;
   StateNumbers largest(size_, 0.0);
@@ -126,7 +128,7 @@ void TangentLength::measure(RunState x, double end, std::span<const std::size_t>
     if (stepper.step(x) != StepStatus::ok) break;
   for (std::size_t i = 0; i < size_; ++i) {
     const double range = low ? (*high)[i] - (*low)[i] : 0, grain = 1e-12 * largest[i];
-    const bool from_zero = !flow_ && n_ <= i && i < 2 * n_;  // velocities and momenta have an origin, places have not
+    const bool from_zero = !flow_ && n_ <= i && i < 2 * n_;  // velocities and momenta have a zero, positions do not
     extent_[i] = from_zero ? largest[i] : range > grain ? range : 0;
   }
   ComponentSizes of_kind(kinds, size_);
@@ -137,9 +139,9 @@ void TangentLength::measure(RunState x, double end, std::span<const std::size_t>
   if (!flow_ && size_ > 2 * n_) share(2 * n_, size_, largest);
 }
 
-/// Extents that differ by less than a factor of 32 are taken for lengths in one unit, and the largest stands for all of
-/// them: else a plane would be measured otherwise when it is turned. What rests is measured as the others, and where
-/// all rest by where they are.
+/// share gives extents within a factor of 32 of each other the largest of them, as lengths in one unit: otherwise the
+/// norm in a plane would change when the plane is turned. Components at rest get the largest extent of the others, and
+/// if all rest the largest size of a component.
 void TangentLength::share(std::size_t begin, std::size_t end, const StateNumbers& largest) {
   constexpr double alike = 32;
   const auto part = [&](auto& all) { return std::span(all.data() + begin, end - begin); };
@@ -166,7 +168,7 @@ StateNumbers TangentLength::direction(StateView x, const KeepGoing& keep_going) 
   for (std::size_t i = 0; i < size_; ++i)
     if (backend_.has_component(i)) u[i] = extent_[i] * std::pow(++count, -2.0 / 3);
   if (!by_velocities_) return u;
-  StateNumbers at_rest = u;  // without what momenta add to velocities
+  StateNumbers at_rest = u;  // the tangent of coordinates alone
   for (std::size_t i = 0; i < n_; ++i) at_rest[n_ + i] = 0;
   StateNumbers wanted(n_), momenta(n_);
   const StateNumbers moved = velocity_slopes(x, at_rest.data());

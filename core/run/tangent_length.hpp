@@ -1,9 +1,9 @@
-// The length of a tangent in a norm that no unit enters: coordinates and velocities, each divided by the extent of the
-// motion. Momenta would do only where masses are alike: two planets whose momenta are a millionth of their star's units
-// seem to move apart without end. The extents are those of the true motion as far as a few steps of Dormand–Prince
-// follow it from the start: they are the same for every scheme, and do not change on the way. Variables of a kind, as
-// x[1], x[2] …, have the largest of theirs: what is still at rest at the far end of a chain has a small extent of its
-// own, beside which what comes to it would seem to grow without end.
+// The length of a tangent vector in a norm that does not depend on units: coordinates and velocities, each divided by
+// the extent of the motion. Momenta would do only where masses are similar: two planets with momenta of a millionth of
+// their star's units would seem to separate without end. The extents are those of the true motion, as far as a few
+// steps of Dormand–Prince follow it from the start, so they are the same for every scheme and do not change along a
+// run. Variables of one kind, as x[1], x[2] …, share the largest extent: a variable still at rest at the far end of a
+// chain has a small extent of its own, and relative to it a wave that arrives there would seem to grow without end.
 #pragma once
 
 #include <span>
@@ -16,14 +16,13 @@ namespace least {
 
 class TangentLength {
  public:
-  /// Of the motion from x until `end`, or as far as a few steps go, while it may. `kinds`: of the variables, kinds_of
-  /// the card.
+  /// Measures the motion from x until `end`, or as far as a few steps go, while keep_going(). `kinds` is kinds_of the
+  /// card.
   TangentLength(const RunBackend& backend, const RunState& x, double end, std::span<const std::size_t> kinds,
                 const KeepGoing& keep_going);
 
   double operator()(StateView x, const double* u) const;
-  /// A tangent of length 1 at the start, in which no component that the scene has is left out, and none is as large as
-  /// another.
+  /// A tangent of length 1 at the start in a generic direction: no component of the scene is 0, and no two are equal.
   const StateNumbers& first() const { return first_; }
 
  private:
@@ -37,7 +36,7 @@ class TangentLength {
 
   const RunBackend& backend_;
   bool flow_;
-  std::size_t size_, n_;  ///< of the components; how many of them are coordinates
+  std::size_t size_, n_;  ///< number of components, and of coordinates among them
   bool by_velocities_ = false;
   StateNumbers extent_, first_;
 };

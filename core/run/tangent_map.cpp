@@ -10,10 +10,10 @@ namespace least {
 
 namespace {
 
-/// Units of the coordinates, those of the momenta being their inverses, in which what couples the one to the other is
-/// about as large both ways: with masses of 1e-9 entries of the order t/m stand beside those of the order mt, and of
-/// what rounding leaves of the larger ones nothing can be told. Powers of 2. Source: Osborne, J. ACM 7, 338 (1960), of
-/// the scalings that are symplectic.
+/// balanced_units returns units of the coordinates, powers of 2, with inverse units for the momenta, in which the
+/// couplings between both are similar in size. With masses of 1e-9 entries of order t/m and of order mt stand side by
+/// side, and the rounding of the larger ones hides all defects. Source: Osborne, J. ACM 7, 338 (1960), restricted to
+/// symplectic scalings.
 std::vector<double> balanced_units(const TangentMap& map) {
   constexpr int rounds = 16;
   const std::size_t n = map.dof;
@@ -21,7 +21,7 @@ std::vector<double> balanced_units(const TangentMap& map) {
   for (int round = 0; round < rounds; ++round) {
     bool changed = false;
     for (std::size_t i = 0; i < n; ++i) {
-      double with = std::abs(map.slope(i, n + i)) / (unit[i] * unit[i]);  // smaller the larger the unit is
+      double with = std::abs(map.slope(i, n + i)) / (unit[i] * unit[i]);  // decreases with the unit
       double against = std::abs(map.slope(n + i, i)) * unit[i] * unit[i];
       for (std::size_t j = 0; j < n; ++j) {
         if (j == i) continue;
@@ -31,7 +31,7 @@ std::vector<double> balanced_units(const TangentMap& map) {
         against += std::abs(map.slope(j, i)) * far + std::abs(map.slope(n + i, n + j)) * far +
                    std::abs(map.slope(n + i, j)) * both + std::abs(map.slope(n + j, i)) * both;
       }
-      // The unit entries of the diagonal are there in all units.
+      // The 1 stands for the diagonal, which is the same in all units.
       const double by = std::exp2(std::round(std::log2((1 + with) / (1 + against)) / 4));
       if (by == 1 || !std::isfinite(by)) continue;
       unit[i] *= by;
@@ -62,7 +62,7 @@ double symplectic_defect(const TangentMap& map) {
 
 ContactDefect contact_defect(const TangentMap& map) {
   const std::size_t n = map.dof, s = 2 * n;
-  const auto pulled = [&](std::size_t j) {  // φ*η along the j-th direction
+  const auto pulled = [&](std::size_t j) {  // φ*η along direction j
     double sum = map.slope(s, j);
     for (std::size_t i = 0; i < n; ++i) sum -= map.to[n + i] * map.slope(i, j);
     return sum;

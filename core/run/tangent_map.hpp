@@ -1,7 +1,7 @@
-// The structure a step keeps, measured by its map and the derivatives of that as numbers: the defect MᵀJM − J of the
-// tangent map M where the scene is conservative, J = (0 I; −I 0), and where it has a contact form η = ds − p·dq the
-// defect of φ*η = λη. Zero to round-off for a symplectic, for a contact scheme. Sources: Hairer, Lubich, Wanner 2006,
-// VI.2; Vermeeren, Bravetti, Seri, J. Phys. A 52, 445206 (2019), section 2.
+// The structure that a step conserves, measured by its map and tangent in numbers: for a conservative scene the defect
+// MᵀJM − J of the tangent map M, J = (0 I; −I 0); for a scene with a contact form η = ds − p·dq the defect of φ*η = λη.
+// Both are zero to round-off for a symplectic or contact scheme. Sources: Hairer, Lubich, Wanner 2006, VI.2; Vermeeren,
+// Bravetti, Seri, J. Phys. A 52, 445206 (2019), section 2.
 #pragma once
 
 #include <cstddef>
@@ -14,53 +14,54 @@
 
 namespace least {
 
-/// From one state to another, both with s wherever the scene has one; of an extended space the time is the last of the
-/// coordinates, and with it goes a momentum.
+/// TangentMap is the tangent of a map from one state to another, both with s if the scene has one. In an extended space
+/// the time is the last coordinate, with its own momentum.
 struct TangentMap {
-  std::size_t dof = 0;    ///< of the space
-  RunState from, to;      ///< their components: q, p, and s where there is one
-  std::vector<double> m;  ///< the derivative of the i-th component by the j-th stands at i·size + j
+  std::size_t dof = 0;    ///< number of coordinates of the space
+  RunState from, to;      ///< components q, p, and s if there is one
+  std::vector<double> m;  ///< m[i·size + j] = ∂to_i/∂from_j
   bool extended = false;
 
   std::size_t size() const { return from.size(); }
   double slope(std::size_t i, std::size_t j) const { return m[i * size() + j]; }
 };
 
-/// Where a step leads, and how that changes along one direction. A scheme that sets its own clock reaches states that
-/// lie near each other at different times.
+/// ChangeOfStep is the image of a state under a step, and its derivative along one direction. A scheme that sets its
+/// own clock maps neighbouring states to different times.
 struct ChangeOfStep {
   RunState to;
   StateNumbers change;
-  double longer = 0;      ///< by how much the step takes more time
-  ActiveMethod course{};  ///< of a hybrid: how the step was taken
+  double longer = 0;      ///< derivative of the length of the step
+  ActiveMethod course{};  ///< how a hybrid took the step
 };
 
-/// Tangents of the steps of a run, whichever state it carries: they are of the full one. Empty where the scheme has
-/// none.
+/// StepTangents are the tangents of the steps of a run, always those of the full state. Functions are empty if the
+/// scheme has none.
 struct StepTangents {
-  /// Of the step from x that follows one which was taken in the way `before`, where x changes by u, the time by dt and
-  /// the energy level of the run by `level`; false where it fails.
+  /// along writes the change of the step from x, after a step by the method `before`, where x changes by u, the time by
+  /// dt and the energy level of the run by `level`; false if the step fails.
   std::function<bool(const RunState& x, const ActiveMethod& before, const StateNumbers& u, double dt, double level,
                      ChangeOfStep& to)>
       along;
-  /// Asked before each direction; false gives up, as a step that fails does.
+  /// Called before each direction; false gives up, like a step that fails.
   using KeepGoing = std::function<bool()>;
-  /// Along all directions, at equal times and levels.
+  /// plain writes the tangent along all directions, at the same time and energy level.
   std::function<bool(const RunState& x, const KeepGoing& keep_going, TangentMap& map)> plain;
-  /// The same on the extended space, for schemes whose steps are contact maps there.
+  /// extended does the same on the extended space, for schemes whose steps are contact maps there.
   std::function<bool(const RunState& x, const KeepGoing& keep_going, TangentMap& map)> extended;
-  std::vector<double> level;  ///< the derivatives of the energy level of the run by its start
-  double end = std::numeric_limits<double>::infinity();  ///< of the run, where it is known beforehand
+  std::vector<double> level;  ///< derivatives of the energy level of the run with respect to its start
+  double end = std::numeric_limits<double>::infinity();  ///< end of the run, if known beforehand
 };
 
-/// max |MᵀJM − J| over the entries of the first 2n rows and columns, J = (0 I; −I 0).
+/// symplectic_defect returns max |MᵀJM − J| over the entries of the first 2n rows and columns, J = (0 I; −I 0), in
+/// balanced units of the coordinates.
 double symplectic_defect(const TangentMap& map);
 
 struct ContactDefect {
   double defect;  ///< max |φ*η − λη| over dq, dp, ds
-  double factor;  ///< λ, read off ds
+  double factor;  ///< λ, the coefficient of ds
 };
-/// Of the contact form η = ds − p·dq over a map of (q, p, s).
+/// contact_defect measures how far a map of (q, p, s) is from conserving the contact form η = ds − p·dq up to a factor.
 ContactDefect contact_defect(const TangentMap& map);
 /// det M
 double determinant(const TangentMap& map);

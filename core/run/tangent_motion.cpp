@@ -18,10 +18,10 @@ double largest_of(std::span<const double> x) {
 
 tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const tape::Index> rates,
                                         std::size_t directions) {
-  if (equations.has_terms()) throw tape::TooManyOperations();  // what can be written out has been
+  if (equations.has_terms()) throw tape::TooManyOperations();  // terms that can be written out have been
   const std::size_t size = rates.size();
   equations.bound(tape::most_of_equations);
-  std::size_t left = std::size_t(1) << 18;  // operations to go through: some hundredths of a second
+  std::size_t left = std::size_t(1) << 18;  // bound on operations: some hundredths of a second
   std::vector<tape::Index> all(rates.begin(), rates.end());
   all.resize(size * (1 + directions));
   for (std::size_t i = 0; i < size; ++i) {
@@ -58,7 +58,7 @@ std::size_t TangentMotion::operations() const {
   return program.steps.size() + program.lane_a.size() + program.variables;
 }
 
-/// Derivatives to about the size that decides on steps.
+/// rescale scales the derivatives to the size of the state, which decides the steps.
 void TangentMotion::rescale() {
   const int wanted = std::ilogb(std::max(1.0, largest_of(std::span(y_).first(size_))));
   for (std::size_t d = 0; d < directions_; ++d) {
@@ -78,7 +78,7 @@ double TangentMotion::step() {
 }
 
 bool TangentMotion::look(double ahead) {
-  expansion_->move(y_.data(), t_);  // a copy may have used it meanwhile
+  expansion_->move(y_.data(), t_);  // a copy may have used the series meanwhile
   seen_ = y_;
   std::ranges::fill(low_, 0.0);
   expansion_->evaluate(ahead, low_.data(), seen_.data());
@@ -90,7 +90,7 @@ bool TangentMotion::move(double t) {
   y_ = seen_;
   t_ = t;
   rescale();
-  seen_ = y_;  // the exponents are those of what is seen
+  seen_ = y_;  // exponents_ belong to seen_
   return true;
 }
 

@@ -1,7 +1,7 @@
-// The true motion of a problem from a state and one tangent to it: steps as long as their Taylor series allow, each
-// seen at several times on its way. The tangent has as many digits as the motion, however far it grows or shrinks: on
-// an eccentric orbit its growth comes from a component that is smaller than the tangent by a factor of the tangent
-// itself.
+// The true motion of a problem from a state, with one tangent vector: steps as long as the Taylor series allow, each
+// looked at several times on its way. The tangent has as many digits as the motion, however far it grows or shrinks: on
+// an eccentric orbit its growth comes from a component that is smaller than the tangent by a factor as large as the
+// tangent.
 #pragma once
 
 #include <algorithm>
@@ -16,16 +16,16 @@ namespace least {
 
 class TangentPath {
  public:
-  /// `size`: of the states' largest component, about, which the tolerance of small states is relative to.
+  /// `size`: about the largest component of the states; the tolerance is relative to it if it is below 1.
   TangentPath(const RunBackend& backend, double tolerance, double size);
 
   void start(StateView x, const double* u);
-  /// The time that the last step came to; and the one that the next may go to, the same where there is none.
+  /// time() is the end of the last step, reach() the farthest end of the next step, the same where there is none.
   double time() const { return motion_.time(); }
   double reach() const { return reach_; }
 
-  /// A step, to `end` at most. see(): called at times on the way, the last of them where the step ends; of a step that
-  /// has to be taken again, being shorter, once more. False: the motion does not go on.
+  /// advance takes a step, to `end` at most. It calls see() at times on the way, the last of them at the end of the
+  /// step; where a step has to be repeated shorter, see() is called again. False: the motion does not go on.
   template <class See>
   bool advance(double end, See&& see) {
     const double from = time();
@@ -42,7 +42,7 @@ class TangentPath {
     return false;
   }
 
-  /// The same, seen only where it ends.
+  /// The same without looks on the way.
   bool leap(double end) {
     const double from = time();
     for (double to = std::min(reach_, end); possible(from, to); to = from + (to - from) / 2) {
@@ -52,13 +52,13 @@ class TangentPath {
     }
     return false;
   }
-  /// Looks at a time within the next step. False: it is not finite there.
+  /// Evaluates the motion at a time within the next step. False: it is not finite there.
   bool look(double t) {
     t_ = t;
     return motion_.look(t - time());
   }
 
-  /// What is seen: the motion, and the tangent but for a factor 2ⁿ.
+  /// The motion at the time last looked at, and the tangent without its factor 2ⁿ, n = exponent().
   RunState state() const { return {t_, first_of(motion_.state())}; }
   StateNumbers tangent() const { return first_of(motion_.tangent(0)); }
   int exponent() const { return motion_.exponent(0); }
@@ -70,7 +70,7 @@ class TangentPath {
   StateNumbers first_of(std::span<const double> numbers) const {
     return {numbers.data(), numbers.data() + components_};
   }
-  /// Of a motion that ends steps become ever shorter.
+  /// Whether a step is long enough to make progress: near the end of a motion steps become ever shorter.
   bool possible(double from, double to) const { return to - from > 1e-13 * std::max(std::abs(from), longest_); }
   void arrive(double step) {
     longest_ = std::max(longest_, step);
@@ -83,7 +83,7 @@ class TangentPath {
   }
 
   const RunBackend& backend_;
-  std::size_t components_;  ///< of a state
+  std::size_t components_;  ///< number of components of a state
   TangentMotion motion_;
   std::vector<double> values_, slopes_;
   double t_ = 0, reach_ = 0, longest_ = 0;

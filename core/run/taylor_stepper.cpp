@@ -33,13 +33,13 @@ StepStatus TaylorStepper::step_within(RunState& x, double most, double late) noe
   work_.forces += expansion_->order();
   double h = expansion_->step(most);
   if (!(h > 0)) return StepStatus::singular;
-  // Of a step that was not looked at to its end it is not known which formulas hold in it.
+  // If the search for switches of formulas was cut short, it is not known which formulas hold in the step.
   if (!expansion_->program().switches.empty() && !AskedByThread::goes_on()) return StepStatus::solver_failed;
   if (!(x.t + h < x.t + most)) h = most;
   for (;; h *= 0.5) {
     if (h < most && !(x.t + h > x.t)) return StepStatus::underflow;
     expansion_->evaluate(h, here.data(), low.data(), next.data(), rest.data(), true);
-    // At the very time that the next step begins at: what is found here need not be found again.
+    // At exactly the time at which the next step begins, so that the expansion found here is reused.
     if (expansion_->defined(next.data(), x.t + (h - late))) break;
   }
   if (carries_) {

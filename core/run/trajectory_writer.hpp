@@ -1,5 +1,6 @@
-// Turns states into rows of the columns asked for and hands them to the sink in blocks; all at the end where a column
-// says the error, for the truth is found in one sweep, and where they lie evenly along a curve, which must be whole.
+// Turns states into rows of the columns asked for and hands them to the sink in blocks. All rows are handed over at the
+// end if there is an error column, since the true motion is computed in one sweep, or if they have to lie evenly along
+// a curve.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +17,8 @@
 
 namespace least {
 
-/// The variables of the card as an answer shows them: unknown is what the motion does not need and nobody asks for, or
-/// what of it has outgrown all numbers.
+/// shown_variables returns the variables of the card as an answer shows them: `unknown` for optional ones that nobody
+/// asked for or that are not finite.
 inline std::vector<double> shown_variables(const Request& request, const ProblemTraits& traits, StateView x) {
   const auto& cards = request.scene->card().variables;
   std::vector<double> all;
@@ -33,8 +34,8 @@ inline std::vector<double> shown_variables(const Request& request, const Problem
 
 class TrajectoryWriter {
  public:
-  /// `asked`: positions among all columns, or among the request's own; where nothing is kept, none. `curve`: how many
-  /// rows are to lie along one, 0 where they are not to.
+  /// `asked`: indices of columns, beyond `all` those of the request's own; empty if nothing is kept. `curve`: the
+  /// number of rows along a curve, 0 without one.
   TrajectoryWriter(const ProblemTable& problem, const Request& request, std::span<const std::size_t> asked,
                    const std::vector<Column>& all, std::int64_t curve, RowSink& sink)
       : problem_(problem), request_(request), sink_(sink) {
@@ -58,7 +59,7 @@ class TrajectoryWriter {
 
   enum class Written { yes, not_finite, refused };
 
-  /// One row at x; a row with a number that is not finite is not written, unless the number may be unknown.
+  /// Writes one row at x. A row with a non-finite number is not written, unless its column may be unknown.
   Written write_row(StateView x, const StepInfo& step) {
     const std::size_t before = rows_.size();
     if (error_ || curve_) make_room(rows_, before + columns_.size(), held_);
@@ -85,8 +86,8 @@ class TrajectoryWriter {
     return rows_.size() + columns_.size() <= rows_.capacity() || flush() ? Written::yes : Written::refused;
   }
 
-  /// Into how many parts the way to x has to be divided, where rows lie along a curve; there a part `share` of the
-  /// run's time is over.
+  /// The number of parts into which the way to x has to be divided for a curve; at x a fraction `share` of the run's
+  /// time is over.
   std::size_t parts(StateView x, const StepInfo& step, double share) {
     double square = 0;
     measure(x);
@@ -98,46 +99,48 @@ class TrajectoryWriter {
     return curve_->parts(std::sqrt(square), share);
   }
 
-  /// Hands over what is written so far, unless it waits for the end. False: the sink takes no more.
+  /// Hands over the rows written so far, unless they wait for the end. False: the sink takes no more.
   bool hand_over() { return error_ || curve_ || flush(); }
 
-  /// The column that was not finite.
+  /// The name of the column that was not finite.
   std::string_view wrong_column() const { return wrong_; }
 
-  /// What is still kept. `keep_going` is asked while the truth is sought; false leaves the rest of the errors unknown.
+  /// Hands over the rows that are still kept. If keep_going(), asked during the computation of the true motion, returns
+  /// false, the remaining errors are unknown.
   bool finish(const KeepGoing& keep_going) {
     if (curve_ && !rows_.empty()) keep_rows(curve_->choose());
     if (error_ && !times_.empty()) fill_errors(keep_going);
     return flush();
   }
-  /// Errors were asked for, and some are unknown for want of a truth.
+  /// Whether errors were asked for of which some are unknown for lack of a true motion.
   bool lacks_truth() const { return lacks_truth_; }
   std::string_view why_no_truth() const { return missing_; }  ///< Truth::missing
 
  private:
-  /// A column as it stands in the list of all, or one of the caller's own.
+  /// Asked is a column of the list of all, or one of the request's own.
   struct Asked {
     const ColumnCard& card;
     decltype(Column::value) value;
     std::size_t index;
   };
 
-  /// What the caller's own columns are at x: a value that does not exist is unknown, and no reason to stop.
+  /// measure evaluates the request's own columns at x; a value that is not finite is unknown, and does not stop the
+  /// run.
   void measure(StateView x) {
     if (measured_.empty()) return;
     request_.measures.evaluate(observe(problem_, x, request_.measures).data(), x.t, measured_.data());
     for (double& value : measured_)
       if (!std::isfinite(value)) value = unknown;
   }
-  /// Of a column at x, which was measured.
+  /// The value of a column at x, after measure(x).
   double value(const Asked& column, StateView x, const StepInfo& step) const {
     return column.value ? column.value(problem_, x, step, column.index) : measured_[column.index];
   }
-  /// Where the i-th column of the last row stands, from the end of the rows.
+  /// The position of column i of the last row, from the end of rows_.
   std::ptrdiff_t row_place(std::size_t i) const {
     return static_cast<std::ptrdiff_t>(i) - static_cast<std::ptrdiff_t>(columns_.size());
   }
-  /// Between two rows, in the space of the columns but the time; what is unknown counts for nothing.
+  /// The distance between two rows in the space of all columns but the time; unknown values are left out.
   double chord(std::size_t from, std::size_t to) const {
     double square = 0;
     for (const std::size_t i : drawn_) {
@@ -146,7 +149,7 @@ class TrajectoryWriter {
     }
     return std::sqrt(square);
   }
-  /// Of rows of `width` numbers those that are named stay, in their order.
+  /// Keeps the rows of `width` numbers with these indices, in order.
   static void keep(std::vector<double>& numbers, std::size_t width, std::span<const std::size_t> kept) {
     for (std::size_t i = 0; i < kept.size(); ++i)
       std::copy_n(numbers.begin() + std::ptrdiff_t(kept[i] * width), width,
@@ -159,7 +162,7 @@ class TrajectoryWriter {
     keep(times_, 1, kept);
     keep(states_, problem_.traits.moving, kept);
   }
-  /// The last row takes the place of the one before it.
+  /// Replaces the row before the last one by the last.
   static void drop_next_to_last(std::vector<double>& numbers, std::size_t width) {
     const auto last = numbers.end() - std::ptrdiff_t(width);
     numbers.erase(last - std::ptrdiff_t(width), last);
@@ -195,7 +198,7 @@ class TrajectoryWriter {
     for (std::size_t k = 0; k < truth.states.size() && !told; ++k) error(k) = unknown;
   }
 
-  /// Of thousands of columns fewer, or they would be megabytes.
+  /// The number of rows in a block: fewer if there are thousands of columns.
   std::size_t rows_of_block() const {
     constexpr std::size_t most = 512, least = 16, numbers = 1 << 16;
     return std::clamp(numbers / std::max<std::size_t>(columns_.size(), 1), least, most);
@@ -205,13 +208,13 @@ class TrajectoryWriter {
   const Request& request_;
   RowSink& sink_;
   std::vector<Asked> columns_;
-  std::vector<std::size_t> drawn_;  ///< which of them span the space of the curve: not the time
+  std::vector<std::size_t> drawn_;  ///< indices of the columns that span the space of the curve: all but the time
   std::optional<CurveThinner> curve_;
-  Held held_ = HeldByThread::take(0);  ///< for rows that are kept until the end
+  Held held_ = HeldByThread::take(0);  ///< memory of rows that are kept until the end
   std::vector<double> rows_;
-  std::vector<double> measured_;        ///< at the last state
+  std::vector<double> measured_;        ///< values of the request's own columns at the last state
   std::optional<std::size_t> error_;    ///< the column of errors
-  std::vector<double> times_, states_;  ///< of every row, where there is one
+  std::vector<double> times_, states_;  ///< time and state of every row, if there is an error column
   bool lacks_truth_ = false;
   std::string_view missing_;
   std::string_view wrong_;

@@ -11,7 +11,7 @@
 namespace least {
 namespace {
 
-/// ωh from half the bound on, or from where the problem says that accuracy suffers.
+/// warn_of_step warns of ωh from half the stability bound on, or from the problem's careful_step.
 void warn_of_step(const FinishedRun& run, std::vector<Warning>& warnings) {
   const StepGuard& guard = run.guard;
   const double fastest = guard.largest(), most = guard.bound(2 * fastest);
@@ -21,7 +21,7 @@ void warn_of_step(const FinishedRun& run, std::vector<Warning>& warnings) {
     warnings.push_back({"step_near_stability_bound", messages::near_bound(fastest, careful, guard.bound())});
 }
 
-/// Rates of damping that a step does not resolve.
+/// warn_of_damping warns of rates of damping that a step does not resolve.
 void warn_of_damping(const FinishedRun& run, std::vector<Warning>& warnings) {
   const ProblemTable& problem = run.backend.table();
   if (const double ratio = problem.stiffness_rate() * run.step; ratio > 0.5)
@@ -37,7 +37,7 @@ void warn_of_damping(const FinishedRun& run, std::vector<Warning>& warnings) {
   const double rate = run.evidence.damping() * run.step, most = run.scheme.structure == "none" ? 1 : 2;
   if (rate > most) warnings.push_back({"stiff_step", messages::stiff_action(rate)});
   if (problem.traits.constant_damping && problem.traits.full) {
-    constexpr double still = 1e-6;  // ωh of next to no oscillation: the other eigenvalue is that of s
+    constexpr double still = 1e-6;  // ωh of almost no oscillation, so that the damping of s decides
     const double damping_step = problem.damping(run.state.x.t) * run.step;
     if (run.scheme.structure == "none" && damping_step > 1 &&
         !is_stable(run.request.scheme, run.request.settings, still, damping_step))
@@ -45,7 +45,7 @@ void warn_of_damping(const FinishedRun& run, std::vector<Warning>& warnings) {
   }
 }
 
-/// Schemes that add to the energy at every step.
+/// warn_of_growth warns of schemes that add to the energy at every step.
 void warn_of_growth(const FinishedRun& run, std::vector<Warning>& warnings) {
   constexpr double small = 0.05;
   const double by_step = run.guard.growth(), together = std::pow(by_step, static_cast<double>(run.state.n));
@@ -56,7 +56,7 @@ void warn_of_growth(const FinishedRun& run, std::vector<Warning>& warnings) {
     warnings.push_back({"grows_at_every_step", messages::grows_by_energy(before, now)});
 }
 
-/// Energy that left its level.
+/// warn_of_energy warns of energy that left its level.
 void warn_of_energy(const FinishedRun& run, std::vector<Warning>& warnings) {
   constexpr double large = 0.3;
   const auto [off, before, now] = run.evidence.energy();
@@ -65,7 +65,7 @@ void warn_of_energy(const FinishedRun& run, std::vector<Warning>& warnings) {
   if (!why.empty()) warnings.push_back({"off_energy_level", why});
 }
 
-/// Formulas that lose their digits, and twice as many, where the motion goes.
+/// warn_of_blur warns of formulas that lose their digits where the motion goes.
 void warn_of_blur(const FinishedRun& run, std::vector<Warning>& warnings) {
   constexpr double far = 100, least = 1e-10;
   const double blur = run.integrator.blur();
@@ -73,7 +73,8 @@ void warn_of_blur(const FinishedRun& run, std::vector<Warning>& warnings) {
     warnings.push_back({"digits_lost", messages::digits_lost(blur)});
 }
 
-/// How far another scheme comes to another motion; `large`: from where on it is to be sure of that.
+/// departure_of returns how far control runs are from this run; `large` is the error from which on closer controls have
+/// to agree.
 constexpr double large_error = 0.1;
 Departure departure_of(const FinishedRun& run, double large = large_error) {
   constexpr std::int64_t few = 5000, many = 40'000;  // force evaluations: a millisecond
@@ -88,8 +89,9 @@ Departure departure_of(const FinishedRun& run, double large = large_error) {
                    run.request.norm, kinds_of(scene.card()), large, tolerance, allowed, run.keep_going);
 }
 
-/// An error that is no large one but far more than steps were allowed, which their estimates did not see: as the
-/// control run says, and closer ones that agree with each other. What it is off by itself is no matter.
+/// warn_of_blind_estimates warns of an error that is not large, but far larger than the tolerance of the steps, whose
+/// error estimates missed it: the control run shows it, and closer controls agree with each other. The control's own
+/// error does not matter.
 void warn_of_blind_estimates(const FinishedRun& run, const Departure& control, std::vector<Warning>& warnings) {
   constexpr double far = 1e4, least = 1e-8;
   const double tolerance = run.request.setting("tolerance", run.scheme), beyond = far * std::max(tolerance, least);
@@ -99,7 +101,7 @@ void warn_of_blind_estimates(const FinishedRun& run, const Departure& control, s
     warnings.push_back({"estimate_blind", messages::estimate_blind(sure.error, sure.t, tolerance)});
 }
 
-/// Where a control run does not say that the end is right, whether anything could.
+/// sensitivity_of looks for sensitivity to the start, for a run whose end the control run did not confirm.
 std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   constexpr std::int64_t few = 20'000, many = 40'000;  // operations of an order of a series, some milliseconds
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
@@ -111,8 +113,8 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.keep_going);
 }
 
-/// A scene as text that starts where nothing moves, with all of it 0: most likely nobody said where it is to start. One
-/// that moves may come back to 0, by an event or by itself.
+/// warn_of_rest warns of a scene given as text that starts at 0 in all variables and rests there: most likely the start
+/// was forgotten. A run that moves, by an event or by itself, may well return to 0.
 void warn_of_rest(const FinishedRun& run, std::vector<Warning>& warnings) {
   const Scene& scene = *run.request.scene;
   const auto at_zero = [](const auto& numbers) {

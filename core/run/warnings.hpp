@@ -1,5 +1,5 @@
-// What a run says against itself when it is over: a code and a sentence where its own evidence is that the result is
-// worthless, or soon will be.
+// Warnings of a finished run: a code and a sentence if its own evidence shows that the result is worthless, or soon
+// will be.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace least {
 
-/// A run that is over.
+/// FinishedRun is the data of a finished run.
 struct FinishedRun {
   const RunBackend& backend;
   const Request& request;
@@ -21,11 +21,12 @@ struct FinishedRun {
   const Integrator& integrator;
   const StepGuard& guard;
   const Evidence& evidence;
-  bool acted;  ///< an event did, once at least
+  bool acted;  ///< at least one event has acted
   const KeepGoing& keep_going;
 };
 
-/// What a control run is asked for first: where it agrees up to the end, steps that look long were short enough.
+/// warn_of_run adds the warnings of a run. A control run comes first: where it agrees with the run up to the end, steps
+/// that look too long were short enough.
 void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings);
 
 }  // namespace least

@@ -9,15 +9,15 @@
 namespace least {
 namespace {
 
-/// A problem as schemes see it here: what a run asks of it.
+/// PacedProblem is a problem in the form that this scheme needs.
 struct PacedProblem {
   const RunBackend* backend;
 };
 
-/// The stepper on states of a run. A run says of its steps how long they took.
+/// PacedSteps adapts the stepper to states of a run. Each step tells its duration, and the run adds them up.
 class PacedSteps {
  public:
-  /// `charges`: null where there are none.
+  /// `charges` may be null: then every step fails.
   PacedSteps(const std::shared_ptr<const text::Magnetic>& charges, const AdaptiveBoris& scheme, const RunState& x,
              std::size_t room) {
     if (charges) stepper_.emplace(charges, scheme, room, x.numbers.data());
@@ -46,13 +46,13 @@ class PacedSteps {
   std::optional<AdaptiveBorisStepper> stepper_;
 };
 
-/// The scheme, bound to a scene.
+/// PacedScheme is the scheme with the structure found in a scene.
 struct PacedScheme {
   AdaptiveBoris chosen;
   std::shared_ptr<const text::Magnetic> charges;
-  std::string why;  ///< there are none
+  std::string why;  ///< why there are no charges; empty if there are
   std::size_t room;
-  bool starts;  ///< the start of the run has a pace
+  bool starts;  ///< whether the pace is defined at the start of the run
 
   static constexpr bool own_clock = true, remembers = true, asks_no_level = true;
   PacedSteps bind(const PacedProblem&, const RunState& x, double) const { return {charges, chosen, x, room}; }
@@ -90,7 +90,8 @@ class PacedCharges final : public FoundOrNot<text::Magnetic> {
   StepTangents tangents(const RunBackend&, const Request&) const override { return {}; }
 
  private:
-  /// With how fast all changes, which takes derivatives up to the third: not before a run asks for it.
+  /// Also finds how fast everything changes along a motion, which takes derivatives up to the third: only once a run
+  /// asks for it.
   void look_for_pace() const {
     why_ = objection();
     if (!why_.empty()) return;

@@ -21,8 +21,8 @@ const VariableCard* find_variable(const ProblemCard& card, std::string_view name
   return found == card.variables.end() ? nullptr : &*found;
 }
 
-/// Times, rates by time and variables of a report, and of all its parts. What `orbit` says of the sense of a motion, in
-/// a plane also by the sign of the angular momentum, it reads off opposite momenta.
+/// turn changes the signs of times, rates by time and variables in a report and its parts. The diagnostic `orbit` also
+/// derives the sense of the motion, and in a plane the sign of the angular momentum, from the reversed momenta.
 void turn(const Scene& scene, Report& report, std::string_view within = {}) {
   const bool in_a_plane = scene.mechanics->text()->form->coordinates == 2;
   const bool of_sense = report.key == "apsidal_rotation" || (report.key == "angular_momentum" && in_a_plane);
@@ -83,7 +83,7 @@ double sign_of(const Scene& scene, std::string_view name) {
 
 TurnedRows::TurnedRows(const Request& request, RowSink& sink) : sink_(sink) {
   const std::size_t known = request.scene->card().columns.size();
-  const auto sign = [&](std::size_t place) {  // expressions of the caller's own speak of the forward scene
+  const auto sign = [&](std::size_t place) {  // expressions of the caller's own refer to the forward scene
     return place < known ? sign_of(*request.scene, request.column(place).name) : 1;
   };
   std::ranges::transform(request.columns, std::back_inserter(signs_), sign);

@@ -11,7 +11,7 @@
 namespace least {
 namespace {
 
-/// A description with what follows from the type.
+/// complete_card adds to a scheme's description what follows from its type.
 template <class Scheme>
 SchemeCard complete_card() {
   SchemeCard card = Scheme::card();
@@ -73,7 +73,7 @@ Request default_request(std::string_view problem, std::string_view scheme) {
 
 namespace {
 
-/// In words, which mechanics a problem offers to schemes.
+/// offers returns in words which mechanics a problem offers to schemes.
 std::string offers(const ProblemTraits& traits, const std::string& objection) {
   std::string words = (traits.conservative || (traits.forced && traits.potential)) && !traits.configuration_metric
                           ? "a separable Hamiltonian (a potential and a constant kinetic metric)"

@@ -1,5 +1,6 @@
-// A problem of the catalogue as mechanics: made by the compiler from its description and the list of schemes. Steps are
-// compiled elsewhere, with more optimisation: core/catalogue/pairs.hpp, which one unit per problem has to instantiate.
+// A problem of the catalogue as mechanics, which the compiler makes from its description and the list of schemes. Steps
+// are compiled elsewhere, with more optimisation: core/catalogue/pairs.hpp, which one unit per problem has to
+// instantiate.
 #pragma once
 
 #include <functional>
@@ -26,18 +27,19 @@ namespace least {
 /// The cards of all schemes, in the order of the list.
 std::span<const SchemeCard> scheme_cards();
 
-/// Whether the caller asks for what only the full state can say: s or what depends on it, a slope or its poles.
+/// asks_for_full_state returns whether a request needs the full state: s or quantities that depend on it, a slope or
+/// its poles.
 inline bool asks_for_full_state(const ProblemCard& card, const Request& request) {
   return request.watched.full_state() ||
          std::ranges::any_of(request.columns, [&](std::size_t i) { return request.column(i).full_state; }) ||
          std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return card.diagnostics[i].full_state; });
 }
 
-/// A scheme that fits a problem: compiled for it, or with its equations of motion alone.
+/// Fits: a scheme runs a problem, either compiled for it or with its equations of motion alone.
 template <class Scheme, class P>
 concept Fits = OnEquations<Scheme> || FixedStepSchemeFor<Scheme, P> || SelfTimedSchemeFor<Scheme, P>;
 
-/// Calls f with the scheme of a request, which fits.
+/// with_scheme calls f with the scheme of a request, if it fits the problem.
 template <class P, class F, class... Scheme>
 void with_scheme(const Request& request, F&& f, std::tuple<Scheme...>*) {
   std::size_t i = 0;
@@ -53,7 +55,8 @@ void with_scheme(const Request& request, F&& f) {
   with_scheme<P>(request, f, static_cast<SchemeList*>(nullptr));
 }
 
-/// The full state of which a run's state has the first components; what it does not carry is 0.
+/// full_state_from returns the full state with the components of a run's state; components that the run does not carry
+/// are 0.
 template <class P>
 FullStateOf<P> full_state_from(const RunState& x) {
   FullStateOf<P> full{};
@@ -62,8 +65,8 @@ FullStateOf<P> full_state_from(const RunState& x) {
   return full;
 }
 
-/// Tangents of the steps of a run from `start`, whichever state it carries: they are of the full one. The problem
-/// outlives them.
+/// tangents_of returns the tangents of the steps of a run from `start`, always those of the full state. The problem has
+/// to outlive them.
 template <class P>
 StepTangents tangents_of(const P& problem, const Request& request, const FullStateOf<P>& start) {
   using Full = FullStateOf<P>;
@@ -103,7 +106,7 @@ StepTangents tangents_of(const P& problem, const Request& request, const FullSta
   return tangents;
 }
 
-/// A description with what follows from the mechanics; `schemes`: positions in the list of those that fit.
+/// complete_card adds to a description what follows from the mechanics; `schemes` are the indices of those that fit.
 ProblemCard complete_card(ProblemCard card, const ProblemTraits& traits, std::vector<std::size_t> schemes);
 /// columns_of, compiled once.
 std::vector<Column> all_columns(const ProblemTraits& traits, const ProblemCard& card);
@@ -118,14 +121,14 @@ std::vector<std::size_t> fitting_schemes() {
   return fitting;
 }
 
-/// The pair of a problem with the scheme of a request, as an integrator of states X. Defined in
-/// core/catalogue/pairs.hpp and compiled in a unit of its own: steps deserve optimisation that what surrounds them does
-/// not.
+/// bind_scheme returns the scheme of a request bound to the problem, as an integrator of states X. It is defined in
+/// core/catalogue/pairs.hpp and compiled in a unit of its own, since steps deserve optimisation that the code around
+/// them does not.
 template <class P, class X>
 std::unique_ptr<Integrator> bind_scheme(const RunBackend& backend, const P& problem, const Request& request,
                                         const RunState& x, const Grid& grid, double end);
 
-/// What a run with states X asks of a problem.
+/// CompiledBackend is the RunBackend of a problem for runs with states X.
 template <class P, class X>
 class CompiledBackend final : public RunBackend {
   using State = StateOf<P>;
@@ -192,7 +195,7 @@ class CompiledBackend final : public RunBackend {
 
  private:
   const P& problem() const { return motion_.problem(); }
-  /// A state and its change along a direction.
+  /// moved returns a state in dual numbers with the derivative u.
   static auto moved(StateView x, const double* u) {
     auto y = convert<Slope, double>(state_from<State>(x));
     for (std::size_t i = 0; i < State::size; ++i) y[i].slope[0] = u[i];
@@ -216,7 +219,7 @@ class CompiledBackend final : public RunBackend {
   [[no_unique_address]] std::conditional_t<lean, SameTable, ProblemEntries<P, X>> table_;
 };
 
-/// Mechanics of one type of problem, which the parameters of a scene make.
+/// ProblemMechanics is the mechanics of one type of problem, which problem_of makes from the parameters of a scene.
 template <class P>
 class ProblemMechanics : public Mechanics {
   using State = StateOf<P>;
@@ -274,11 +277,11 @@ class ProblemMechanics : public Mechanics {
   }
 
  protected:
-  /// The one way from a scene to a problem.
+  /// The problem with the parameters of a scene.
   virtual P problem_of(std::span<const double> parameters) const = 0;
 
  private:
-  /// f with the type of a backend that carries what a request asks for, and the problem that it is made of.
+  /// Calls f with the type of backend that carries what a request asks for, and with the problem.
   template <class F>
   auto with_backend(const Request& request, F&& f) const {
     const P problem = problem_of(request.scene->parameters);

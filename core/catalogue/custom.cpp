@@ -34,7 +34,7 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
          {0, "couples the velocities of too many coordinates",
           "at most " + std::to_string(text::Velocities::most_coupled) + " where it is not quadratic in them"},
          false}};
-  // Its derivatives by velocities go through it operation by operation.
+  // Derivatives by velocities go through the tape operation by operation.
   if (scene.form->kind == text::FormKind::lagrangian && scene.form->tape.has_terms())
     scene.form = text::with_sums_written_out(scene.form);
   if (!scene.form) return too_many_operations(tape::most_of_equations);
@@ -59,7 +59,7 @@ std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault
   auto read = text::WrittenOut::of(std::move(typed));
   if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return std::move(*faults);
   const auto& written = std::get<text::WrittenOut>(read);
-  constexpr std::size_t bytes_of_character = 24;  // with where each comes from
+  constexpr std::size_t bytes_of_character = 24;  // with the origin of each character
   if (written.definition().characters() > text::most_characters) text::LargeSceneTurn::take();
   const Held held = HeldByThread::take_soon(bytes_of_character * written.definition().characters());
   auto made = custom_mechanics(written.definition());

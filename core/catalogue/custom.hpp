@@ -13,13 +13,13 @@
 
 namespace least {
 
-/// The mechanics of a scene that was read, or what is wrong with it.
+/// mechanics_of returns the mechanics of a scene that was read, or what is wrong with it.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> mechanics_of(text::TextScene scene);
 
-/// The mechanics that a definition describes, or everything that is wrong with it.
+/// custom_mechanics returns the mechanics that a definition describes, or everything that is wrong with it.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
     text::Definition definition);
-/// The same of a scene as it was typed, whose texts may speak of many of a kind.
+/// The same for a scene as it was typed, whose texts may define many of a kind at once.
 std::variant<std::shared_ptr<const Mechanics>, std::vector<text::DefinitionFault>> custom_mechanics(
     text::TypedScene typed);
 

@@ -6,7 +6,7 @@
 namespace least {
 namespace {
 
-/// A problem as these schemes see it.
+/// Equations is a problem in the form that these schemes need.
 struct Equations {
   const RunBackend* of;
 };

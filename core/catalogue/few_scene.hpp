@@ -1,5 +1,5 @@
-// Scenes of few coordinates with a constant metric as problems of a type: states of schemes that are written for those
-// stand in registers, and loops over coordinates are unrolled.
+// Scenes of few coordinates with a constant metric as problems of a fixed type: schemes written for such types keep the
+// states in registers, and loops over coordinates are unrolled.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace least {
 
-/// H = ½ pᵀg⁻¹p + V(q) with N coordinates, in doubles. The scene outlives it.
+/// FewScene is H = ½ pᵀg⁻¹p + V(q) with N coordinates, in doubles. The scene has to outlive it.
 template <int N>
 class FewScene {
   static_assert(N <= tape::SparseJacobian::few);
@@ -31,7 +31,7 @@ class FewScene {
     }
   }
 
-  // Of copies: what a formula reads stands in memory, and states are to stay where they are.
+  // Formulas read their arguments from memory: they get copies, so that the states themselves may stay in registers.
   double potential(const Vec<N>& q, double t) const {
     const Vec<N> at = q;
     double v;
@@ -53,12 +53,13 @@ class FewScene {
     for (std::size_t i = 0; i < N; ++i) here.slope[i] = both[i + 1];
     return here;
   }
-  /// Of a motion that begins at q at this level.
+  /// follow_from sets the FrequencyFloor of a motion that starts at q with the energy `level`; `unit` is an energy of
+  /// the scene.
   void follow_from(const Vec<N>& q, double level, double unit) {
     const Vec<N> slope = gradient(q, 0);
     floor_ = {bent_at(q), dot(slope, velocity(slope)), level - potential(q, 0), unit, level};
   }
-  /// Along such a motion.
+  /// The squared local frequency along that motion.
   double frequency_squared(const Vec<N>& q) const { return floor_(bent_at(q), potential(q, 0)); }
   Vec<N> velocity(const Vec<N>& p) const {
     Vec<N> v;
@@ -72,7 +73,7 @@ class FewScene {
   }
 
  private:
-  /// Frobenius' norm of g⁻¹V″.
+  /// bent_at returns the Frobenius norm of g⁻¹V″.
   double bent_at(const Vec<N>& q) const {
     const Vec<N> at = q;
     Mat<N> bent{};

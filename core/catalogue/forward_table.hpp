@@ -1,6 +1,6 @@
-// What is known of a problem of the catalogue that goes backward in time (core/catalogue/backward.hpp) by the problem
-// that goes forward: its domain, its quantities, its orbital elements, and the energy of a flow, at states turned to
-// those of the forward motion.
+// What a problem of the catalogue that goes backward in time (core/catalogue/backward.hpp) takes from the forward
+// problem: its domain, quantities, orbital elements, and the energy of a flow, evaluated at the corresponding states of
+// the forward motion.
 #pragma once
 
 #include <memory>
@@ -13,14 +13,14 @@ namespace least {
 
 class ForwardTable {
  public:
-  /// Of a scene that goes backward; null where it goes forward, or is a text, which says all that there is.
+  /// The table of a scene that goes backward; null if it goes forward, or if it was typed as text, which needs none.
   static std::shared_ptr<const ForwardTable> of(const text::TextScene& scene);
 
-  /// Adds to what is known of the scene that goes backward.
+  /// Adds the properties of the forward problem to those of the backward scene.
   void add_to(ProblemTraits& traits) const;
 
   double gravitational_parameter() const { return table().gravitational_parameter(); }
-  /// f(table of the forward problem, x turned); x as the motion backward has it.
+  /// Returns f(table of the forward problem, x of the forward motion); x is given as the backward motion has it.
   template <class F>
   auto at(StateView x, const F& f) const {
     const RunState turned_state = turned(x);
@@ -33,7 +33,8 @@ class ForwardTable {
   RunState turned(StateView x) const;
 
   std::unique_ptr<const RunBackend> backend_;
-  std::size_t turning_ = 0;  ///< the first component that is the opposite of the forward one; all after it are, too
+  /// Index of the first component that has the opposite sign in the forward motion, as all later ones have.
+  std::size_t turning_ = 0;
 };
 
 }  // namespace least

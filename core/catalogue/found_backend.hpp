@@ -1,4 +1,4 @@
-// A problem with the steps of a scheme that was found in it; all else is the problem's own.
+// A problem with the steps of a scheme that was found in it; everything else is passed on to the problem.
 #pragma once
 
 #include <memory>

@@ -23,7 +23,8 @@ std::span<const FoundScheme> found_schemes() {
   return all;
 }
 
-/// By which a scene is described: those that are typed, or the defaults of the catalogue.
+/// described_parameters returns the parameters with which a scene is described: those that were typed, or the defaults
+/// of the catalogue.
 std::vector<double> described_parameters(const ProblemCard& card) {
   std::vector<double> parameters;
   parameters.reserve(card.parameters.size());
@@ -31,7 +32,8 @@ std::vector<double> described_parameters(const ProblemCard& card) {
   return parameters;
 }
 
-/// What is looked at of mechanics with some parameters: its text, or what a problem of the catalogue comes to.
+/// Readable gives the text of mechanics with certain parameters in which schemes search: its own, or the recorded
+/// problem of the catalogue.
 class Readable {
  public:
   Readable(const Mechanics& mechanics, std::span<const double> parameters) : typed_(mechanics.text()) {
@@ -43,7 +45,7 @@ class Readable {
     }
   }
   bool is_known_to(const FoundScheme& scheme) const { return text() && scheme.concerns(*text()->form, !typed_); }
-  /// None of a scene whose sums are too long to be written out.
+  /// Null for a scene whose sums are too long to be written out.
   const text::TextScene* text() const {
     if (written_out_) return written_out_->form ? &*written_out_ : nullptr;
     return typed_ ? typed_ : recorded_ ? &*recorded_ : nullptr;
@@ -54,8 +56,8 @@ class Readable {
   std::optional<text::TextScene> recorded_, written_out_;
 };
 
-/// One of them on one scene. What was found with the parameters that were asked for last is kept: a search asks for the
-/// same again and again.
+/// FoundRuns runs one such scheme on one scene. It keeps what was found for the last parameters, since a search asks
+/// for the same again and again.
 class FoundRuns {
  public:
   FoundRuns(const FoundScheme& scheme, const Mechanics& made, std::vector<double> parameters,
@@ -138,7 +140,7 @@ class FoundMechanics final : public Mechanics {
   }
 
  private:
-  /// Null: it is none of those that were found.
+  /// Null if the scheme is not one of those that were found.
   const FoundRuns* runs_by(std::size_t scheme) const {
     const auto own = std::ranges::find(runs_, scheme, [](const auto& one) { return one->position(); });
     return own == runs_.end() ? nullptr : own->get();
@@ -149,7 +151,7 @@ class FoundMechanics final : public Mechanics {
   std::vector<std::unique_ptr<const FoundRuns>> runs_;
 };
 
-/// Null: it is another kind of scheme or scene.
+/// Null if it is not such a scheme, or does not concern this scene.
 std::shared_ptr<const Found> looked_for(const Scene& scene, std::string_view scheme) {
   const auto known = std::ranges::find(found_schemes(), scheme, &FoundScheme::id);
   if (known == found_schemes().end() || scene.parameters.size() != scene.card().parameters.size()) return nullptr;

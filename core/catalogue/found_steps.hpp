@@ -1,5 +1,5 @@
-// The steps of a scheme that is found in a scene: of equal length on components that stand one after the other, and
-// their derivatives by dual numbers.
+// The steps of a scheme that was found in a scene: of equal length, on components in one contiguous list, and their
+// derivatives by dual numbers.
 #pragma once
 
 #include <limits>
@@ -20,7 +20,7 @@
 
 namespace least {
 
-/// What was looked for, or the words why it is not there.
+/// FoundOrNot holds the structure that was searched, or the reason in words why there is none.
 template <class What>
 class FoundOrNot : public Found {
  public:
@@ -36,22 +36,22 @@ class FoundOrNot : public Found {
   std::string objection() const override { return why_; }
 
  protected:
-  const std::shared_ptr<const What>& what() const { return what_; }  ///< null: it is not there
+  const std::shared_ptr<const What>& what() const { return what_; }  ///< null if there is none
 
  private:
   std::shared_ptr<const What> what_;
   std::string why_;
 };
 
-/// F says of a scheme
-///   F::Scheme, F::What         the scheme, and what it looks for
-///   look(scene, parameters)    a variant of that and why it is not there: a text, or a struct with `why`
-///   F::Stepper<T>              of (what, scheme, room), or of (what, scheme): a value with begin(x, t), step(x, t, h)
-///                              and work(), in double and in Slope; begin(x, t, start) where steps depend on where
-///                              their run began. `room`: the coordinates that a state has places for
-///   objection(what, scheme)    optional: in words, to settings of the scheme; empty: none
-///   describe(what, card)       optional: what the card of the scene says more
-///   vary(form, parameters, i)  optional: as `look`, with the i-th parameter as a variable after those of the state
+/// FoundSteps is Found for a scheme that is described by F:
+///   F::Scheme, F::What         the scheme, and the structure that it needs
+///   look(scene, parameters)    a variant of F::What and the reason why it is missing: a text, or a struct with `why`
+///   F::Stepper<T>              made of (what, scheme, room), or of (what, scheme): a value with begin(x, t),
+///                              step(x, t, h) and work(), in double and in Slope; begin(x, t, start) if steps depend on
+///                              the start of their run. `room` is the number of coordinates that a state has places for
+///   objection(what, scheme)    optional: objection to settings of the scheme, in words; empty: none
+///   describe(what, card)       optional: adds to the card of the scene
+///   vary(form, parameters, i)  optional: as `look`, with parameter i as a variable after those of the state
 template <class F>
 class FoundSteps final : public FoundOrNot<typename F::What> {
  public:
@@ -96,8 +96,8 @@ class FoundSteps final : public FoundOrNot<typename F::What> {
   }
 
  private:
-  /// The stepper as steps of equal length want it, on numbers or, where the run carries a tangent direction, on those
-  /// with a slope. With an objection it takes no step.
+  /// Steps is the stepper in the form that SizedSteps needs, in numbers, or in dual numbers if the run carries a
+  /// tangent direction. With an objection it takes no step.
   class Steps {
    public:
     Steps(const FoundSteps& found, const Scheme& scheme, const RunBackend& problem) : why_(found.objection_to(scheme)) {
@@ -168,7 +168,7 @@ class FoundSteps final : public FoundOrNot<typename F::What> {
   }
 };
 
-/// A row of the list of such schemes.
+/// look_for is FoundScheme::look for the scheme of F.
 template <class F>
 std::shared_ptr<const Found> look_for(const text::TextScene& scene, std::span<const double> parameters) {
   return std::make_shared<const FoundSteps<F>>(scene, parameters);

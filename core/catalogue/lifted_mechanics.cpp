@@ -1,5 +1,5 @@
-// lifted_splitting on equations, as text and of the catalogue, and on Hamiltonians that problems of the catalogue
-// state; on those of texts their classes have it.
+// lifted_splitting on equations, as text and of the catalogue, and on Hamiltonians of problems of the catalogue; the
+// mechanics of Hamiltonians as text have it themselves (core/catalogue/sized_backend.cpp).
 #include "core/catalogue/found_steps.hpp"
 #include "core/schemes/flow_lift.hpp"
 #include "core/text/lift.hpp"
@@ -27,7 +27,7 @@ struct EquationsInParts {
   }
 };
 
-/// H = S + p·X − g, on components that stand one after the other.
+/// H = S + p·X − g, on components in one contiguous list.
 struct HamiltonianInParts {
   using Scheme = LiftedSplitting;
   using What = text::Lift;

@@ -12,8 +12,8 @@
 namespace least {
 namespace {
 
-/// In numbers T, on components (q, p) that stand one after the other. Solved for u = (q₁ − q₀)/σ: with D = E₀ − V + κ
-/// at m = q₀ + (σ/2) u and v = D u, g(m) v exceeds p₀ as much as p₁ exceeds it.
+/// MetricMidpoint takes steps in numbers T, on components (q, p) in one contiguous list. It solves for u = (q₁ − q₀)/σ:
+/// with D = E₀ − V + κ at m = q₀ + (σ/2) u and v = D u, g(m) v is the mean of p₀ and p₁.
 template <class T>
 class MetricMidpoint {
  public:
@@ -52,7 +52,7 @@ class MetricMidpoint {
   const T& strain() const { return strain_; }
   int stages() const { return weights_->stages; }
 
-  /// Moves x by the parameter σ; `time` is what that takes.
+  /// Moves the state by σ in the parameter; writes the time that this takes.
   StepStatus move(T* state, const T& sigma, T& time, Work& work) {
     x_.assign(state, state + 2 * n_);
     T elapsed(0);
@@ -70,7 +70,7 @@ class MetricMidpoint {
   struct Middle {
     U gap, ratio;  ///< D, D/(K + κ)
   };
-  /// `kick`: (h/2)F + c.
+  /// Evaluates the middle of a step; writes (h/2)F + c to `kick`.
   template <class A, class U>
   Middle<U> middle(const A* x, const A& level, const A& kappa, const A& half, const U* u, LagrangianLook<U>& look,
                    std::vector<U>& place, std::vector<U>& slope, std::vector<U>& kick) const {
@@ -94,7 +94,7 @@ class MetricMidpoint {
     const auto in_numbers = [&](const T* u) {
       return middle(x, level_, kappa_, half, u, look_, place_, slope_, kick_);
     };
-    // The guess: as the motion begins, then with half a kick.
+    // The guess: the velocity at the start, then that after half a kick.
     double scale = 0, grain = std::numeric_limits<double>::min();
     const auto see = [&](const T* p, const T& factor) {
       raise(*scene_, x, p, u_.data());
@@ -168,7 +168,7 @@ class MetricMidpoint {
   std::vector<double> start_;
 };
 
-/// As TransformedStepper takes it.
+/// MetricKernel is the kernel in the form that TransformedStepper needs.
 class MetricKernel : public MetricMidpoint<double> {
  public:
   using Memory = NoMemory;
@@ -198,7 +198,7 @@ struct ClockedMetric {
   }
 };
 
-/// In dual numbers, as tangents are made of.
+/// VariedClock takes steps in dual numbers, for tangents.
 struct VariedClock {
   MetricMidpoint<Slope> midpoint;
 

@@ -1,5 +1,5 @@
-// time_transformed on scenes whose kinetic metric depends on the place: the map of
-// TransformedMidpoint in core/schemes/time_transformed.hpp.
+// time_transformed on scenes whose kinetic metric depends on q: the map of TransformedMidpoint in
+// core/schemes/time_transformed.hpp.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace least {
 
-/// `end`: of the run.
+/// Returns the scheme bound to x; `end` is that of the run.
 std::unique_ptr<Integrator> bind_metric_clock(const RunBackend& backend, const text::SizedScene& scene,
                                               const TimeTransformed& scheme, const RunState& x, double end);
 StepTangents tangents_of_metric_clock(const text::SizedScene& scene, const TimeTransformed& scheme,

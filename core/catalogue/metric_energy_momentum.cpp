@@ -54,7 +54,7 @@ void MetricEnergyMomentum<T>::equations(const A* x, const A& level, const U* z, 
   wrong[n_] = 0.5 * middle.twice_kinetic() + middle.potential() - level;
 }
 
-/// From h₀, for v and (h/h₀)²: E_d is nearly linear in h².
+/// Newton's method from h₀ for v and (h/h₀)², since E_d is nearly linear in h².
 template <class T>
 bool MetricEnergyMomentum<T>::solve(const T* x) {
   constexpr int most_iterations = 20;
@@ -85,10 +85,10 @@ bool MetricEnergyMomentum<T>::solve(const T* x) {
       z_[i] = z_[i] - newton_->update[i];
     }
     const double square = plain_number(z_[n_]);
-    if (!(square > 0 && square < 64 * most)) return false;  // also where it is no number
-    // An energy that is right to its last digits says no more about h.
+    if (!(square > 0 && square < 64 * most)) return false;  // also if it is NaN
+    // An energy error at round-off does not determine h any further.
     const bool kept = std::abs(plain_number(excess)) <= 4 * epsilon * (size + std::abs(level));
-    // Of v; (h/h₀)² is held against the energy.
+    // These are tests for v; (h/h₀)² is tested by the energy.
     const double length = std::abs(plain_number(newton_->update[n_])), left = newton_->left(change + scale * length);
     const bool found = change <= small_part(scale) + grain && left <= epsilon * scale + grain;
     if (!((found || newton_->is_rounding(scale + grain / epsilon)) && (kept || length <= small_part(square)))) continue;
@@ -97,7 +97,7 @@ bool MetricEnergyMomentum<T>::solve(const T* x) {
   return false;
 }
 
-/// v after half a kick; the size of velocities.
+/// guess sets v to that after half a kick; returns the size of velocities.
 template <class T>
 T MetricEnergyMomentum<T>::guess(const T* x) {
   using least::abs;

@@ -1,4 +1,4 @@
-// energy_momentum on scenes whose kinetic metric depends on the place: the map of
+// energy_momentum on scenes whose kinetic metric depends on q: the map of
 // core/schemes/energy_momentum.hpp. The velocity v and the length h of a step solve, at m = q₀ + (h/2) v,
 //   g(m) v − (h/2) ∂L/∂q(m, v) = p₀,  v·∂L/∂v − L = E₀.
 #pragma once
@@ -13,36 +13,36 @@
 
 namespace least {
 
-/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+/// T is double, or dual numbers whose derivatives are those of the solution.
 template <class T>
 class MetricEnergyMomentum {
  public:
   MetricEnergyMomentum(const text::SizedScene& scene, const EnergyMomentum& scheme, const T& level);
 
-  /// As a run with this energy begins.
+  /// Starts as a run with this energy does.
   void begin(const T*, const T& level) { level_ = level; }
-  /// A step of its own length, which is left in `h`. One that fails leaves no state.
+  /// Takes a step and writes its length to `h`. If it fails, x is undefined.
   StepStatus step(T* x, T& h) noexcept;
   template <std::same_as<RunState> X>
-  StepStatus step(X& x) noexcept {  // in numbers
+  StepStatus step(X& x) noexcept {  // in plain numbers
     double h = 0;
     const StepStatus status = step(x.numbers.data(), h);
     x.t += h;
     return status;
   }
   Work work() const { return {work_.forces + nominal_.work().forces, work_.iterations + nominal_.work().iterations}; }
-  /// Of the step from a to b.
+  /// The discrete energy of the step from a to b.
   double discrete_energy(const RunState& a, const RunState& b) const;
-  /// Steps of the nominal length, because there is none that keeps the discrete energy.
+  /// The number of steps of the nominal length, taken where no length conserves the discrete energy.
   std::int64_t fallback_steps() const { return fallbacks_; }
 
  private:
-  static constexpr double most = 16;  ///< of (h/h₀)², and of its inverse
+  static constexpr double most = 16;  ///< bound on (h/h₀)² and its inverse
 
-  /// v and (h/h₀)², in z_; false where there are none within bounds.
+  /// Solves for v and (h/h₀)², in z_; false if there is no solution within the bounds.
   bool solve(const T* x);
   T guess(const T* x);
-  /// L in the middle of a step of the velocity and the length that z says; the length.
+  /// Evaluates L in the middle of a step with the velocity and length in z; returns the length.
   template <class A, class U>
   U look(const A* x, const U* z, LagrangianLook<U>& middle) const;
   template <class A, class U>

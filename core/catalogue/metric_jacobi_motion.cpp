@@ -106,7 +106,7 @@ void MetricJacobiMotion<T>::time_equations(const A* q, const A* p, const A& h, c
     wrong[i] = 0.5 * (looks.here.momentum(i) + looks.there.momentum(i)) - half * looks.here.force(i) - p[i];
 }
 
-/// Solved for v, with q₁ = q₀ + h v and p₁ = p₀ + (h/2)(F₀ + F₁), or h F in the middle.
+/// in_time solves for v, with q₁ = q₀ + h v and p₁ = p₀ + (h/2)(F₀ + F₁), or p₀ + h F in the middle.
 template <class T>
 StepStatus MetricJacobiMotion<T>::in_time(Site& x, const T& h, Work& work) const {
   constexpr int most = 50;
@@ -120,7 +120,7 @@ StepStatus MetricJacobiMotion<T>::in_time(Site& x, const T& h, Work& work) const
     for (const T& c : s.v) scale += std::abs(plain_number(c));
   };
   see();
-  if (midpoint_) {  // with half a kick
+  if (midpoint_) {  // the guess is v after half a kick
     time_equations(x.q.data(), x.p.data(), h, s.v.data(), s.looks, s.w.data());
     ++work.forces;
     for (std::size_t i = 0; i < n_; ++i) {
@@ -196,7 +196,7 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
   if (n_ == 1) return along_line(x, delta, work);
   constexpr int most_halvings = 30;
   Scratch& s = *scratch_;
-  const auto place = [sigma](std::size_t k) { return k < sigma ? k : k + 1; };  // of the k-th unknown
+  const auto place = [sigma](std::size_t k) { return k < sigma ? k : k + 1; };  // coordinate of unknown k
   // The predictor: the time to cover δ, half a kick, the time again.
   velocity(x, s.v);
   T a = delta / s.v[sigma];
@@ -207,7 +207,7 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
   a = delta / s.v[sigma];
   if (!(sign * a > T(0))) return StepStatus::solver_failed;
   for (std::size_t i = 0; i < n_; ++i) s.end[i] = i == sigma ? T(x.q[i] + delta) : T(x.q[i] + a * s.v[i]);
-  if (!midpoint_) {  // the left end is where it is
+  if (!midpoint_) {  // ∇V at the left end is known beforehand
     gradient(x.q, s.looks.slope);
     for (std::size_t i = 0; i < n_; ++i) s.rows.slope[i] = FewDirections(plain_number(s.looks.slope[i]));
   }
@@ -245,7 +245,7 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
       wrong_of(s.p.data(), s.rows, wrong);
     });
     if (!known) return StepStatus::solver_failed;
-    bool small = true;  // what is not a number never is
+    bool small = true;  // NaN never is
     double changed = 0;
     for (std::size_t i = 0; i + 1 < n_; ++i) {
       const double change = std::abs(plain_number(update[i]));
@@ -266,7 +266,7 @@ StepStatus MetricJacobiMotion<T>::along(Site& x, std::size_t sigma, const T& del
   return arrive(x, a, sign, work);
 }
 
-/// The momentum at the end that was found.
+/// arrive computes the momentum at the end that was found.
 template <class T>
 StepStatus MetricJacobiMotion<T>::arrive(Site& x, const T& a, double sign, Work& work) const {
   Scratch& s = *scratch_;
@@ -287,7 +287,7 @@ StepStatus MetricJacobiMotion<T>::arrive(Site& x, const T& a, double sign, Work&
   return StepStatus::ok;
 }
 
-/// The way is known, the time is ∫√(g/2(E₀ − V)) dq by Gauss's rule of three points.
+/// along_line: in one dimension the way is known, and the time is ∫√(g/2(E₀ − V)) dq by the Gauss rule of three points.
 template <class T>
 StepStatus MetricJacobiMotion<T>::along_line(Site& x, const T& delta, Work& work) const {
   using least::sqrt;
@@ -316,7 +316,7 @@ StepStatus MetricJacobiMotion<T>::along_line(Site& x, const T& delta, Work& work
   return StepStatus::ok;
 }
 
-/// p_σ is replaced by the root of H(q, p) = E₀ nearest to it.
+/// energy_root replaces p_σ by the nearest root of H(q, p) = E₀.
 template <class T>
 bool MetricJacobiMotion<T>::energy_root(Site& x, std::size_t sigma) const {
   using least::sqrt;
@@ -356,7 +356,7 @@ T MetricJacobiMotion<T>::kinetic_between(const Numbers& a, const Numbers& b, con
   return 0.5 * product_of(p, w);
 }
 
-/// Of the momentum ḡv at the middle from those at the ends, which loses no digits where (q₁ − q₀)/h would.
+/// step_energy computes the momentum ḡv at the middle from those at the ends, since (q₁ − q₀)/h would lose digits.
 template <class T>
 T MetricJacobiMotion<T>::step_energy(const Site& x, const Site& y, const T& h) const {
   Numbers carried(n_), place(n_);

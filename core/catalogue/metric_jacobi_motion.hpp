@@ -1,6 +1,6 @@
-// jacobi_maupertuis on scenes whose kinetic metric depends on the place: the steps of
-// core/schemes/jacobi_maupertuis_step.hpp and `variational_step` that core/schemes/jacobi_maupertuis_hybrid.hpp chooses
-// among, by Newton's method with a matrix that is kept as long as rounds contract well.
+// jacobi_maupertuis on scenes whose kinetic metric depends on q: the steps of core/schemes/jacobi_maupertuis_step.hpp
+// and `variational_step`, among which core/schemes/jacobi_maupertuis_hybrid.hpp chooses, by Newton's method with a
+// matrix that is kept as long as rounds contract well.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,8 @@
 
 namespace least {
 
-/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+/// T is double, or dual numbers whose derivatives are those of the solution. The public members are those that
+/// core/schemes/jacobi_maupertuis_hybrid.hpp requires of a motion.
 template <class T>
 class MetricJacobiMotion {
  public:
@@ -36,7 +37,7 @@ class MetricJacobiMotion {
   T steepness(const Site& x) const;
   T gap(const Site& x) const { return energy - x.potential; }
   StepStatus in_time(Site& x, const T& h, Work& work) const;
-  /// Moves q^σ by δ, and everything else with it. A site that a step failed from is spoilt.
+  /// Moves q^σ by δ and the other variables with it. If the step fails, x is undefined.
   StepStatus along(Site& x, std::size_t sigma, const T& delta, double sign, Work& work) const;
   bool energy_root(Site& x, std::size_t sigma) const;
   T step_energy(const Site& x, const Site& y, const T& h) const;
@@ -45,7 +46,7 @@ class MetricJacobiMotion {
   static constexpr int most_iterations = 40;
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-  /// L at both ends of a step, or in the middle; and where a step begins.
+  /// Looks holds L at both ends of a step or in its middle, and quantities derived from it.
   template <class U>
   struct Looks {
     LagrangianLook<U> here, there;
@@ -54,13 +55,13 @@ class MetricJacobiMotion {
 
     explicit Looks(const text::SizedScene& scene)
         : here(scene), there(scene), lowered(scene.coordinates), slope(scene.coordinates) {}
-    /// ∂L/∂q of the velocity Δ/h, where `slope` is that of the same place as a look at Δ.
+    /// ∂L/∂q at the velocity Δ/h; `at` is L at the same place with the velocity Δ, `slope` is ∇V there.
     U force(const LagrangianLook<U>& at, std::size_t i) const { return (at.force(i) + slope[i]) / (h * h) - slope[i]; }
     bool admissible() const { return gap > U(0); }
   };
-  /// What is filled anew in every step, or known of its place.
+  /// Scratch is filled anew in every step, or caches values at a place.
   struct Scratch {
-    LastKnown<T> velocity, gradient, scale;  ///< which the choice of a step asks for again and again
+    LastKnown<T> velocity, gradient, scale;  ///< caches, since the choice of a step needs these repeatedly
     Looks<T> looks;
     Looks<FewDirections> rows;
     SmallNewton<T> in_time, along;
@@ -70,18 +71,18 @@ class MetricJacobiMotion {
 
     explicit Scratch(const text::SizedScene& scene);
   };
-  /// The equations of a step in time of the velocity v.
+  /// time_equations writes the residual of a step of length h in time with the velocity v.
   template <class A, class U>
   void time_equations(const A* q, const A* p, const A& h, const U* v, Looks<U>& looks, U* wrong) const;
-  /// ḡΔ, E₀ − V̄ and h of a step that ends there, and what the force at its left end or in the middle is made of.
+  /// try_end computes ḡΔ, E₀ − V̄, h and the parts of the force for a step that ends at `end`.
   template <class A, class U>
   void try_end(const A* q, const A& level, double sign, const U* end, Looks<U>& looks) const;
-  /// ∇V at a place.
+  /// gradient writes ∇V at q.
   void gradient(const Numbers& q, Numbers& slope) const;
-  /// One degree of freedom.
+  /// along for one degree of freedom.
   StepStatus along_line(Site& x, const T& delta, Work& work) const;
   StepStatus arrive(Site& x, const T& a, double sign, Work& work) const;
-  /// With the mean of the metrics at two places.
+  /// K of the momentum p with the mean of the metrics at two places.
   T kinetic_between(const Numbers& a, const Numbers& b, const Numbers& p) const;
 
   const text::SizedScene* scene_;

@@ -1,5 +1,5 @@
-// What steps on scenes whose kinetic metric depends on the place are made of, where the length of a step follows from
-// the energy: L(q, v) = ½ vᵀg(q)v − V(q) with its derivatives at a point.
+// Parts of steps on scenes whose kinetic metric depends on q, where the length of a step follows from the energy: the
+// Lagrangian L(q, v) = ½ vᵀg(q)v − V(q) with its derivatives at a point.
 #pragma once
 
 #include <algorithm>
@@ -15,20 +15,20 @@
 
 namespace least {
 
-/// L at a place and a velocity, in the number U.
+/// LagrangianLook evaluates L and its derivatives at a place and a velocity, in the number U.
 template <class U>
 class LagrangianLook {
  public:
   explicit LagrangianLook(const text::SizedScene& scene)
       : scene_(&scene), n_(scene.coordinates), at_(2 * n_ + 1), all_(2 * n_ + 2) {}
 
-  /// place(i), velocity(i) → the i-th component.
+  /// Evaluates everything; place(i) and velocity(i) return component i.
   template <class Place, class Velocity>
   void look(Place&& place, Velocity&& velocity) {
     put(place, velocity);
     scene_->lagrangian.evaluate(at_.data(), 0.0, all_.data());
   }
-  /// The same without the force.
+  /// The same without `force`, which becomes undefined.
   template <class Place, class Velocity>
   void look_lightly(Place&& place, Velocity&& velocity) {
     put(place, velocity);
@@ -45,7 +45,7 @@ class LagrangianLook {
     return sum;
   }
   U potential() const { return 0.5 * twice_kinetic() - all_[0]; }
-  /// ∇V, to n numbers.
+  /// Writes ∇V, n numbers.
   void gradient(U* slope) const { scene_->gradient.evaluate(at_.data(), 0.0, slope); }
 
  private:
@@ -62,7 +62,7 @@ class LagrangianLook {
   std::vector<U> at_, all_;
 };
 
-/// v = g⁻¹p at a place, to n numbers; H there with p for momentum.
+/// raise writes v = g⁻¹p at q, n numbers; hamiltonian_at returns H at x = (q, p).
 template <class T>
 void raise(const text::SizedScene& scene, const T* q, const T* p, T* v) {
   thread_local std::vector<T> x;
@@ -78,7 +78,7 @@ T hamiltonian_at(const text::SizedScene& scene, const T* x) {
   return h[0];
 }
 
-/// What was computed last at a place, or there of a momentum.
+/// LastKnown caches values that were computed last for a place, or for a place and a momentum.
 template <class T>
 class LastKnown {
  public:
@@ -86,8 +86,8 @@ class LastKnown {
 
   std::vector<T> values;
 
-  /// Whether they are those of this place and momentum; if not, they are from now on to be. Of numbers that carry
-  /// derivatives, which a comparison does not see, none is known.
+  /// Returns whether `values` are those of this place and momentum. If not, the caller has to compute them, and they
+  /// count as such from now on. Always false for dual numbers, since a comparison does not see their derivatives.
   bool is_of(const std::vector<T>& place, const std::vector<T>& momentum = {}) {
     if constexpr (std::is_same_v<T, double>) {
       if (place == place_ && momentum == momentum_) return true;
@@ -101,10 +101,11 @@ class LastKnown {
   std::vector<T> place_, momentum_;
 };
 
-/// How small an update of what has a size is where the next one means nothing, by a matrix of its own.
+/// small_part returns the size of an update after which the next one is below round-off, for a quantity of this size
+/// and a Jacobian that is exact in this round.
 inline double small_part(double size) { return std::pow(std::numeric_limits<double>::epsilon(), 0.75) * size; }
 
-/// The plain numbers of some.
+/// plain_numbers writes the values without derivatives.
 template <class T>
 void plain_numbers(const std::vector<T>& all, std::vector<double>& plain) {
   plain.resize(all.size());

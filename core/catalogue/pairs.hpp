@@ -1,4 +1,4 @@
-// The pairs of a problem with the schemes that fit, as integrators: what is compiled with every optimisation.
+// The pairs of a problem with the schemes that fit, as integrators; compiled with every optimisation.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace least {
 
-/// Schemes that differ in nothing that has to be compiled are run as one.
+/// compiled_scheme returns one type for schemes whose compiled code does not differ.
 template <class Scheme>
 auto compiled_scheme(const Scheme& scheme) {
   if constexpr (requires { scheme.compiled_as(); }) {
@@ -37,7 +37,7 @@ std::unique_ptr<Integrator> bind_scheme(const RunBackend& backend, const P& prob
   return bound;
 }
 
-/// For each of the states that a run can carry.
+/// Instantiates bind_scheme for each type of state that a run can carry.
 template <class P>
 struct Pairs {
   static constexpr auto motion = &bind_scheme<P, StateOf<P>>;

@@ -15,7 +15,8 @@ struct RevolvingBodies {
     return text::planetary(*scene.form, parameters, scene.definition.variables);
   }
   static std::string objection(const text::Planetary& bodies, const KeplerSplitting& scheme) {
-    // Jump and kick make one part of weak forces only where they commute: a force on all light bodies alike is none.
+    // Jump and kick are one part of weak forces only if they commute: attractions between the light bodies commute with
+    // the jump, other forces on them do not.
     const bool heliocentric = scheme.coordinates == KeplerCoordinates::heliocentric && bodies.about_body;
     if (!scheme.turns() || !heliocentric || bodies.rest.outputs() == 0) return {};
     return "saba and aba lose their order in heliocentric coordinates where V has more than attractions; jacobi keeps "

@@ -13,7 +13,7 @@ namespace {
 
 using text::Planetary;
 
-/// From one place to another.
+/// The vector from one place to another.
 template <class T>
 std::array<T, 3> way(const std::array<T, 3>& from, const std::array<T, 3>& to) {
   return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
@@ -22,7 +22,7 @@ template <class T>
 void add_to(std::array<T, 3>& sum, const T& c, const std::array<T, 3>& a) {
   for (std::size_t i = 0; i < 3; ++i) sum[i] = sum[i] + c * a[i];
 }
-/// k/r³ at a distance.
+/// k/r³ at the distance vector d.
 template <class T>
 T pull_over_distance(double k, const std::array<T, 3>& d) {
   using least::sqrt;
@@ -85,7 +85,7 @@ typename PlanetaryStepper<T>::Vector PlanetaryStepper<T>::read(const T* x, const
   return v;
 }
 
-/// Those nearer to the centre come first.
+/// set_order orders the bodies from the centre outward.
 template <class T>
 void PlanetaryStepper<T>::set_order(const T* x) {
   std::vector<std::pair<double, std::size_t>> far;
@@ -120,7 +120,7 @@ template <class T>
 void PlanetaryStepper<T>::begin(const T* x, double t, const T* order_from) {
   work_ = {};
   set_order(order_from ? order_from : x);
-  Vector place{}, speed{};  // of the centre of mass of those before
+  Vector place{}, speed{};  // of the centre of mass of the bodies before
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     const Planetary::Body& known = scene_->bodies[body.of];
@@ -157,7 +157,7 @@ void PlanetaryStepper<T>::find_in_scene(Sum Body::*part, Vector Body::*in_scene)
     for (Body& body : bodies_) body.*in_scene = (body.*part).high;
     return;
   }
-  Vector middle = (bodies_.front().*part).high;  // of the centre of mass of a body and those inside of it
+  Vector middle = (bodies_.front().*part).high;  // of the centre of mass of a body and those before it
   if (jacobi_) {
     for (std::size_t i = bodies_.size(); --i > 0;) {
       Body& body = bodies_[i];
@@ -168,7 +168,7 @@ void PlanetaryStepper<T>::find_in_scene(Sum Body::*part, Vector Body::*in_scene)
     bodies_.front().*in_scene = middle;
     return;
   }
-  // Places stand from the heavy body, velocities from the centre of mass.
+  // Positions are relative to the heavy body, velocities to the centre of mass.
   const bool places = part == &Body::q;
   Vector heavy = middle;
   const double mass = places ? bodies_.front().inside : bodies_.front().mass;
@@ -208,7 +208,7 @@ void PlanetaryStepper<T>::look(double t) noexcept {
     return;
   }
   Body& all = bodies_.front();
-  if (jacobi_)  // what the centre does to them, less what it does along their orbits
+  if (jacobi_)  // the attraction by the centre, minus that of the Kepler orbits
     for (std::size_t i = 2; i < bodies_.size(); ++i) {
       Body& body = bodies_[i];
       const Vector d = way(body.at, all.at);
@@ -233,7 +233,7 @@ void PlanetaryStepper<T>::look(double t) noexcept {
 
 template <class T>
 bool PlanetaryStepper<T>::drift(double h) noexcept {
-  ++work_.forces;  // it takes as long as one
+  ++work_.forces;  // counted as one, since it takes as long
   bool good = true;
   if (first_ == 1) bodies_.front().q.add(T(h), bodies_.front().v.high);
   for (std::size_t i = first_; i < bodies_.size(); ++i) {
@@ -264,7 +264,7 @@ StepStatus PlanetaryStepper<T>::step(T* x, double t, double h) noexcept {
   const Turns& turns = *turns_;
   const bool jumps = first_ == 1 && !jacobi_;
   const std::size_t last = turns.drift.size();
-  if (turns.kick[0] != 0) kick(h * turns.kick[0]);  // the forces are known
+  if (turns.kick[0] != 0) kick(h * turns.kick[0]);  // the forces are known from the last step or `begin`
   for (std::size_t i = 0; i < last; ++i) {
     const double along = h * turns.drift[i], push = h * turns.kick[i + 1];
     if (jumps && turns.jumps_with_drifts) jump(0.5 * along);

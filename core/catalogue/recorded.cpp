@@ -12,8 +12,8 @@ namespace {
 
 using text::FormKind;
 
-/// Records one problem on the tape of a form. Plain: the same with its parameters as numbers, whose concepts say which
-/// mechanics it is. Backward, −t, −p and −s stand in the place of t, p and s.
+/// Recording records one problem on the tape of a form. Plain is the problem with numbers as parameters, whose concepts
+/// tell which mechanics it is. Backward, −t, −p and −s replace t, p and s.
 template <class Plain, class P>
 class Recording {
  public:
@@ -107,7 +107,7 @@ class Recording {
   std::shared_ptr<text::Form> form_;
 };
 
-/// A form that has nothing yet but the numbers of its variables.
+/// numbered returns a form with nothing but the numbering of its variables.
 template <class P>
 std::shared_ptr<text::Form> numbered() {
   auto form = std::make_shared<text::Form>();
@@ -132,7 +132,8 @@ std::shared_ptr<const text::Form> recorded(const ProblemCard& card, std::span<co
   return nullptr;
 }
 
-/// The problem of a scene with variables in the place of some parameters, by their places on the card.
+/// in_variables returns the problem of a scene with variables in place of the parameters that are `varied`, by their
+/// indices on the card.
 template <template <class> class P, class Variable>
 P<Symbol> in_variables(const Scene& scene, const std::vector<bool>& varied, Variable&& variable) {
   auto problem = parameters::in<Symbol>(from_values<P<double>>(About<P>::fields, scene.parameters));

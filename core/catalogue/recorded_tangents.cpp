@@ -7,7 +7,7 @@
 namespace least {
 namespace {
 
-/// The same tangents; what they refer to lives as long as they do.
+/// keeping returns the same tangents, which keep `owner` alive as long as they exist.
 StepTangents keeping(std::shared_ptr<const void> owner, StepTangents tangents) {
   const auto keep = [&owner](auto& call) {
     if (call) call = [owner, call = std::move(call)](auto&&... of) { return call(std::forward<decltype(of)>(of)...); };

@@ -1,4 +1,4 @@
-// Tangents of the catalogue's steps by those of scenes as text.
+// Tangents of steps of the catalogue's problems by those of scenes as text.
 #pragma once
 
 #include "core/run/request.hpp"
@@ -6,8 +6,9 @@
 
 namespace least {
 
-/// Of the steps of a run of a problem of the catalogue, taken with the problem as it is recorded: schemes have steps in
-/// dual numbers for scenes as text, and of the catalogue for equations alone.
+/// recorded_tangents returns the tangents of the steps of a run of a problem of the catalogue, taken on the recorded
+/// problem. Schemes have steps in dual numbers for all scenes as text; for the catalogue they are compiled for flows
+/// alone.
 StepTangents recorded_tangents(const Request& request);
 
 }  // namespace least

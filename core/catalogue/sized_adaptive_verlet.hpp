@@ -1,4 +1,4 @@
-// adaptive_verlet on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known when they run.
+// adaptive_verlet on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known only at run time.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@
 
 namespace least {
 
-/// As AdaptiveVerletStepper (core/schemes/adaptive_verlet.hpp), but that a step which fails leaves no state.
+/// SizedAdaptiveVerlet is as AdaptiveVerletStepper (core/schemes/adaptive_verlet.hpp), but if a step fails, the state
+/// is undefined.
 class SizedAdaptiveVerlet {
  public:
   SizedAdaptiveVerlet(const text::SizedScene& scene, const AdaptiveVerlet& scheme, const RunState& x, double energy)
@@ -64,10 +65,10 @@ class SizedAdaptiveVerlet {
     const double density = 2 * rate - density_, after = half_ / density;
     drift(after);
     scene_->gradient.evaluate(q, 0.0, slope_.data());
-    work_.forces += 2;  // the monitor looked at the middle
+    work_.forces += 2;  // one of them by the monitor at the middle
     kick(after);
     dt += after;
-    // Where the density swings by more than half of U about it, the recursion follows nothing any more.
+    // If the density oscillates by more than half of U about it, the recursion no longer follows the monitor.
     if (!(5 * density >= 3 * density_ && 3 * density <= 5 * density_)) return StepStatus::singular;
     x.t += dt;
     density_ = density;
@@ -85,7 +86,7 @@ class SizedAdaptiveVerlet {
     scene_->potential.evaluate(q, 0.0, &potential);
     return potential;
   }
-  /// Frobenius' norm of g⁻¹V″.
+  /// bent_at returns the Frobenius norm of g⁻¹V″.
   double bent_at(const double* q) {
     double sum = 0;
     const auto see = [&](auto&& take) { curvature_->evaluate(scene_->gradient, q, 0.0, take); };
@@ -107,7 +108,7 @@ class SizedAdaptiveVerlet {
   }
 
   const text::SizedScene* scene_;
-  const tape::SparseJacobian* curvature_ = nullptr;  ///< of the scene; none: the monitor is the arclength
+  const tape::SparseJacobian* curvature_ = nullptr;  ///< V″ of the scene; null if the monitor is the arclength
   FrequencyFloor floor_;
   double energy_;                   ///< E₀
   double per_unit_;                 ///< 2/ε
@@ -116,7 +117,7 @@ class SizedAdaptiveVerlet {
   std::vector<double> slope_;       ///< ∇V at the state's q
   std::vector<double> velocity_;
   Held held_ = HeldByThread::take(0);
-  std::vector<double> bent_;  ///< g⁻¹V″ column by column, where g is not diagonal
+  std::vector<double> bent_;  ///< g⁻¹V″, column-major, if g is not diagonal
   Work work_;
 };
 

@@ -33,7 +33,7 @@ namespace {
 
 using text::SizedScene;
 
-/// A problem as schemes see it here: what a run asks of it.
+/// SizedProblem is a problem in the form that schemes with their own clock need.
 struct SizedProblem {
   const RunBackend* backend;
 };
@@ -61,7 +61,7 @@ struct Binding {
   }
 };
 
-/// Velocities that are found from momenta stand behind the state.
+/// completion_of computes the velocities that are found from momenta by iteration; they follow the state.
 TaylorStepper::Completion completion_of(const SizedScene& scene) {
   if (scene.found() == 0) return {};
   return {[](const void* of, double t, double* variables) {
@@ -69,7 +69,7 @@ TaylorStepper::Completion completion_of(const SizedScene& scene) {
           },
           &scene};
 }
-/// Of all components, or of those that move.
+/// series_of returns the series of all components, or only of those that move.
 std::shared_ptr<taylor::Expansion> series_of(const SizedScene& scene, bool all, double tolerance, int order) {
   auto made = std::make_shared<taylor::Expansion>(scene.series(all), tolerance, order);
   if (scene.kind == text::FormKind::contact_linear && scene.constant_damping) made->limit(scene.damping_at(0));
@@ -78,7 +78,8 @@ std::shared_ptr<taylor::Expansion> series_of(const SizedScene& scene, bool all, 
 
 TangentSpace space_of(const text::SizedScene& scene) { return {scene.flow ? 0 : scene.coordinates, scene.components}; }
 
-/// Of explicit schemes the stepper in numbers T of states with so many components, as `make<T>(scene, scheme, count)`.
+/// For explicit schemes, make<T>(scene, scheme, count) returns the stepper in numbers T of states with `count`
+/// components.
 struct Kicks {
   template <class T, class Scheme>
   static auto make(const text::SizedScene& scene, const Scheme& scheme, std::size_t) {
@@ -161,7 +162,7 @@ const StageRule& rule_of(SizedPath path) {
   return path == SizedPath::straight ? StageRule::midpoint : StageRule::simpson;
 }
 
-/// Of a path of polynomials and a rule of quadrature.
+/// bind_rule binds the scheme of a polynomial path and a quadrature rule.
 template <class Scheme, SizedPath path>
 std::unique_ptr<Integrator> bind_rule(const Binding& to) {
   const auto scheme = to.scheme<Scheme>();
@@ -196,7 +197,7 @@ StepTangents tangents_gauss(const text::SizedScene& scene, const Request& reques
                      SizedStages<Slope>(scene, StageRule::gauss(scheme.stages), Composition::none));
 }
 
-/// Of what takes the steps of a scheme where the metric is constant, and where it is not.
+/// bind_level binds a scheme with an energy level: Flat takes its steps if the metric is constant, Metric otherwise.
 template <class Flat, class Metric>
 std::unique_ptr<Integrator> bind_level(const Binding& to) {
   const auto scheme = to.scheme<decltype(Flat::chosen)>();
@@ -222,7 +223,8 @@ StepTangents tangents_jacobi_maupertuis(const text::SizedScene& scene, const Req
 
 constexpr auto straight = SizedPath::straight, parabola = SizedPath::parabola;
 
-/// A scheme that runs on scenes of any size, and on which of them. `tangents`: of its steps; null: there are none.
+/// SizedScheme is a scheme that runs scenes of any size, with the condition on the scene. `tangents` is null if its
+/// steps have none.
 struct SizedScheme {
   std::string_view id;
   bool (*fits)(const SizedScene& scene);

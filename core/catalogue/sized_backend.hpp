@@ -1,4 +1,4 @@
-// What a run asks of a scene as text of any size, and which schemes there are for it.
+// The RunBackend of a scene as text of any size, and the schemes that run it.
 #pragma once
 
 #include <memory>
@@ -9,13 +9,13 @@
 
 namespace least {
 
-/// Positions in the list of schemes.
+/// schemes_of returns the indices of the schemes that run a scene.
 std::vector<std::size_t> schemes_of(const text::SizedScene& scene);
 
 class SizedBackend final : public RunBackend {
  public:
-  /// `all`: states of the run carry what can be asked for beyond what moves, as s where the motion does not read it.
-  /// `forward`: of a problem of the catalogue that goes backward.
+  /// `all`: states of the run carry everything that can be asked for, as s where the motion does not depend on it.
+  /// `forward`: the table of a problem of the catalogue that goes backward.
   explicit SizedBackend(std::shared_ptr<const text::SizedScene> scene, bool all = true,
                         const std::shared_ptr<const ForwardTable>& forward = nullptr)
       : traits_(traits_of(*scene, all)),
@@ -31,7 +31,7 @@ class SizedBackend final : public RunBackend {
   const ProblemTable& motion() const override { return motion_; }
   std::unique_ptr<Integrator> bind(const Request& request, const RunState& x, const Grid& grid,
                                    double end) const override;
-  /// Of schemes of equal steps but those with forces, and of schemes that set their steps by a level of the energy.
+  /// Tangents of schemes of equal steps, except with forces, and of schemes that choose their steps by an energy level.
   StepTangents tangents(const Request& request) const override;
   std::vector<tape::Index> write_equations(tape::Tape& tape) const override;
   std::size_t found() const override { return scene().found(); }

@@ -1,5 +1,5 @@
-// Tangents of steps whose length the scheme chooses by an energy of the run, on components that stand one after the
-// other, by a stepper that takes them in dual numbers.
+// Tangents of steps whose length the scheme chooses by an energy of the run, on components in one contiguous list, by a
+// stepper in dual numbers.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,9 @@
 
 namespace least {
 
-/// `stepper`: with begin(x, E₀) and step(x, h) on numbers with a slope, of which the length of the step is one; where
-/// it may be taken in several ways, also go_on(how the step before was taken) and active_method().
+/// tangents_by_clock returns the tangents by `stepper`, which has begin(x, E₀) and step(x, h) in numbers with a slope,
+/// where step writes its length to h. A stepper of a hybrid also has go_on(method of the step before) and
+/// active_method().
 template <class Stepper>
 StepTangents tangents_by_clock(const Request& request, const TangentSpace& space, Stepper stepper, EnergyLevel level) {
   struct Walk {

@@ -15,12 +15,12 @@
 namespace least {
 namespace {
 
-/// A scene as its integrator sees it.
+/// ClockedScene is a scene in the form that its integrator needs.
 struct ClockedScene {
   const RunBackend* backend;
   const text::SizedScene* scene;
 
-  /// K + V, of which schemes take the level of a run.
+  /// K + V, from which schemes take the level of a run.
   template <class X>
   double level(const X& x) const {
     return backend->table().mechanical_energy(run_state(x));
@@ -37,7 +37,7 @@ struct ClockedAdaptiveVerlet {
   }
 };
 
-/// A state in dual numbers, the time too.
+/// VariedState is a state in dual numbers, as is its time.
 struct VariedState {
   using Number = Slope;
 
@@ -45,8 +45,8 @@ struct VariedState {
   std::vector<Slope> numbers;
 };
 
-/// The kernel of time_transformed on the problem P of views, for states X of numbers that stand one after the other. A
-/// move that fails leaves no state.
+/// KernelOnNumbers is the kernel of time_transformed on the problem P of views, for states X of numbers in one
+/// contiguous list. If a move fails, the state is undefined.
 template <class P, class X>
 class KernelOnNumbers {
   using T = typename X::Number;
@@ -84,7 +84,7 @@ class KernelOnNumbers {
 
  private:
   bool has_action(const X& x) const { return x.numbers.size() > 2 * coordinates_; }
-  /// Of itself, with an s that nobody asks for where it has none.
+  /// A view of x; if x does not carry s, the view has an s that is ignored.
   View view_of(X& x) const {
     T* const numbers = x.numbers.data();
     View view{T(x.t), {numbers, coordinates_}, {numbers + coordinates_, coordinates_}, {}};
@@ -97,7 +97,7 @@ class KernelOnNumbers {
   Kernel kernel_;
 };
 
-/// `scheme` outlives the stepper.
+/// `scheme` has to outlive the stepper.
 template <class P, class X>
 auto transformed(const TimeTransformed& scheme, const text::SizedScene& scene, const X& x,
                  const typename X::Number& energy) {
@@ -116,7 +116,7 @@ struct ClockedTransformed {
   }
 };
 
-/// A scheme that is written for problems of a type, of N coordinates.
+/// ClockedFew is a scheme written for problems of fixed type, with N coordinates.
 template <int N, class Scheme>
 struct ClockedFew {
   Scheme chosen;
@@ -130,7 +130,7 @@ struct ClockedFew {
   }
 };
 
-/// Of a scheme that is bound to a scene the integrator, in states X.
+/// clocked returns the integrator of a scheme on a scene, in states X.
 template <class X = RunState, class Scheme>
 std::unique_ptr<Integrator> clocked(const RunBackend& backend, const text::SizedScene& scene, const Scheme& scheme,
                                     const RunState& x, double end) {
@@ -138,7 +138,7 @@ std::unique_ptr<Integrator> clocked(const RunBackend& backend, const text::Sized
   return std::make_unique<SelfTimedIntegrator<ClockedScene, Scheme, X>>(backend, problem, scheme, state_from<X>(x),
                                                                         end);
 }
-/// The same of H = K + V(q), where few coordinates have a type of their own; `sized` is the scheme of any size.
+/// The same for H = K + V(q), with fixed types for few coordinates; `sized` is the scheme for any number of them.
 template <class Scheme, class Sized>
 std::unique_ptr<Integrator> clocked_by_size(const RunBackend& backend, const text::SizedScene& scene,
                                             const Scheme& scheme, const Sized& sized, const RunState& x, double end) {
@@ -152,7 +152,7 @@ std::unique_ptr<Integrator> clocked_by_size(const RunBackend& backend, const tex
   });
 }
 
-/// V at the place of x, which may have slopes, and K.
+/// V at the place of x, which may carry slopes; kinetic_of returns K.
 template <class T, class S>
 T potential_of(const text::SizedScene& scene, const T* x, const S& t) {
   T v;
@@ -169,7 +169,7 @@ T kinetic_of(const text::SizedScene& scene, const T* x) {
   return 0.5 * sum;
 }
 
-/// Components and their changes.
+/// tell writes components and their derivatives to `to`.
 void tell(const std::vector<Slope>& all, ChangeOfStep& to) {
   to.to.numbers.resize(all.size());
   to.change.resize(all.size());
@@ -179,7 +179,7 @@ void tell(const std::vector<Slope>& all, ChangeOfStep& to) {
   }
 }
 
-/// What tangents of steps of a run at this level are made of.
+/// TransformedRun holds what the tangents of steps of a run at this level depend on.
 struct TransformedRun {
   const text::SizedScene* scene;
   TimeTransformed scheme;
@@ -197,7 +197,7 @@ struct TransformedRun {
     return true;
   }
 
-  /// z = (q, t; p, p_t; s) moved by a step; z[i] are its components.
+  /// Moves z = (q, t; p, p_t; s) by a step; z[i] are its components.
   template <class P>
   bool step_extended(std::vector<Slope>& z) const {
     const std::size_t n = scene->coordinates;
@@ -232,7 +232,8 @@ struct TransformedRun {
   }
 };
 
-/// The map of steps along all directions, `moved(j, to)` being one from x where its j-th component changes.
+/// along_all writes the tangent along all directions; `moved(j, to)` is the step from x with a unit change of component
+/// j.
 template <class Moved>
 bool along_all(std::size_t size, const StepTangents::KeepGoing& keep_going, TangentMap& map, Moved&& moved) {
   map.m.resize(size * size);
@@ -251,7 +252,7 @@ bool extended_map(const TransformedRun& run, const RunState& x, const StepTangen
   const std::size_t n = run.scene->coordinates, size = 2 * n + 3;
   map = {n + 1, {0, StateNumbers(size)}, {}, {}, true};
   VariedState from{Slope(x.t), {x.numbers.begin(), x.numbers.end()}};
-  from.numbers.resize(run.scene->components);  // s, which a run may not carry
+  from.numbers.resize(run.scene->components);  // with s, which a run may not carry
   for (std::size_t i = 0; i < n; ++i) {
     map.from[i] = x[i];
     map.from[n + 1 + i] = x[n + i];

@@ -1,6 +1,6 @@
-// Schemes that set their own clock on scenes with a constant metric whose size is known when they run: the maps of
-// core/schemes/adaptive_verlet.hpp, time_transformed.hpp and time_transformed_contact.hpp, on components that stand one
-// after the other.
+// Schemes that set their own clock on scenes with a constant metric whose size is known only at run time: the maps of
+// core/schemes/adaptive_verlet.hpp, time_transformed.hpp and time_transformed_contact.hpp, on components in one
+// contiguous list.
 #pragma once
 
 #include <memory>
@@ -15,13 +15,13 @@ namespace least {
 
 struct Request;
 
-/// Of a separable scene in which nothing depends on time. `end`: of the run.
+/// bind_clock returns the scheme on a separable autonomous scene; `end` is that of the run.
 std::unique_ptr<Integrator> bind_clock(const RunBackend& backend, const text::SizedScene& scene,
                                        const AdaptiveVerlet& scheme, const RunState& x, double end);
-/// The same, or of a damped scene.
+/// The same; the scene may also be damped.
 std::unique_ptr<Integrator> bind_flat_clock(const RunBackend& backend, const text::SizedScene& scene,
                                             const TimeTransformed& scheme, const RunState& x, double end);
-/// Of the same; those of a damped scene are on the extended space.
+/// Tangents of the same; those of a damped scene are on the extended space.
 StepTangents tangents_of_flat_clock(const text::SizedScene& scene, const TimeTransformed& scheme,
                                     const Request& request);
 

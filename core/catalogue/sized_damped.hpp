@@ -1,8 +1,7 @@
-// Steps of equal length of contact scenes H = K + V + α(t) s, or with γs²/2 − R in the place of that, whose size is
-// known when they run: the maps of
-// core/schemes/contact_splitting.hpp and core/schemes/contact_symplectic_euler.hpp, operation by operation, on
-// components that stand one after the other. As in core/catalogue/sized_steps.hpp nothing is allocated once a stepper
-// has been made, and T is the number that steps are taken in: dual numbers give their tangents.
+// Steps of equal length of contact scenes H = K + V + α(t) s, or K + V + γs²/2 − R, whose size is known only at run
+// time: the maps of core/schemes/contact_splitting.hpp and core/schemes/contact_symplectic_euler.hpp, operation by
+// operation, on components in one contiguous list. As in core/catalogue/sized_steps.hpp nothing is allocated after a
+// stepper is made, and T is the number type of the steps: dual numbers give their tangents.
 #pragma once
 
 #include <array>
@@ -16,7 +15,7 @@
 
 namespace least {
 
-/// Drifts, and damping with the force, in turn.
+/// SizedContactSplitting alternates drifts with kicks and damping.
 template <class T = double>
 class SizedContactSplitting {
  public:
@@ -48,7 +47,7 @@ class SizedContactSplitting {
   }
   const Work& work() const { return work_; }
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
-  /// Merged, the flow of the damping with the force is exact.
+  /// The merged flow of damping and force is exact.
   double stiff_from() const { return merged_ ? std::numeric_limits<double>::infinity() : 2; }
 
  private:
@@ -63,7 +62,7 @@ class SizedContactSplitting {
     if (scene.is_quadratic()) return true;
     return scene.constant_damping && scene.damping_at(0) * scheme.step > 0.5;
   }
-  /// Of what s adds to H, over h about the time t.
+  /// The flow over h of the part of H that depends on s, with α at the time t.
   Flow flow(double h, double t) const {
     if (scene_->is_quadratic()) {
       if (!merged_) return {1, h};
@@ -73,12 +72,12 @@ class SizedContactSplitting {
     return {std::exp(z), merged_ ? h * phi1(z) : h};
   }
 
-  /// B½ A B½, or AB, of a momentum and the slope of V, and of s and V.
+  /// B½ A B½, or merged AB, of a momentum x with the slope of V as `push`, or of s with V.
   T pushed(const T& x, const T& push, double h, const Flow& c) const {
     const double half = h * 0.5;
     return merged_ ? T(c.e * x - c.f * push) : T(c.e * (x - half * push) - half * push);
   }
-  /// False: what s adds to H has a pole on the way.
+  /// Damping and kick over h. False: the flow of s has a pole on the way.
   bool push(T* x, double h, double t, const Flow& c) {
     const std::size_t n = slope_.size();
     scene_->gradient.evaluate(x, t, slope_.data());
@@ -116,17 +115,17 @@ class SizedContactSplitting {
   }
 
   const text::SizedScene* scene_;
-  bool acts_;                ///< states have s
-  bool merged_;              ///< A and B are taken as one
+  bool acts_;                ///< states carry s
+  bool merged_;              ///< the flow of A + B is taken as one
   ContactSplitting scheme_;  ///< keeps the turns
   const Alternation<double>* turns_;
   std::vector<T> slope_, velocity_;
   double prepared_ = std::numeric_limits<double>::quiet_NaN();  ///< the step that flows_ are for
-  std::array<Flow, compositions::most_stages> flows_{};         ///< of every stage, where α is constant
+  std::array<Flow, compositions::most_stages> flows_{};         ///< for every stage if α is constant
   Work work_;
 };
 
-/// All of L at the start of the step.
+/// SizedContactEuler evaluates L at the start of the step.
 template <class T = double>
 class SizedContactEuler {
  public:
@@ -157,7 +156,7 @@ class SizedContactEuler {
   }
   const Work& work() const { return work_; }
   double flips_from() const { return 1; }
-  /// E_d of a step of length h from a state: its momentum at the end, all else at the start.
+  /// E_d of a step of length h from a state: K of its momentum at the end, V and s at the start.
   double step_energy(StateView from, double h) {
     if (!acts_) return unknown;
     const std::size_t n = slope_.size();
@@ -180,7 +179,7 @@ class SizedContactEuler {
     scene_->potential.evaluate(q, t, &v);
     return v;
   }
-  /// p·v of the velocities that have just been made of p.
+  /// p·v; velocity_ has to be that of p.
   T twice_kinetic(const T* p) const {
     T sum = p[0] * velocity_[0];
     for (std::size_t i = 1; i < velocity_.size(); ++i) sum = sum + p[i] * velocity_[i];
@@ -188,7 +187,7 @@ class SizedContactEuler {
   }
 
   const text::SizedScene* scene_;
-  bool acts_;  ///< states have s
+  bool acts_;  ///< states carry s
   std::vector<T> slope_, velocity_;
   Work work_;
 };

@@ -6,7 +6,8 @@
 namespace least {
 namespace {
 
-/// Where the metric depends on the place: H at the means of places and momenta of the step, direction by direction.
+/// energy_on_a_metric is energy_of_first_step if the metric depends on q: H at the means of places and momenta of the
+/// step, one direction at a time.
 EnergyLevel energy_on_a_metric(const text::SizedScene& scene, const double* x, double step) {
   const std::size_t size = 2 * scene.coordinates;
   EnergyLevel level{0, std::vector<double>(size)};

@@ -1,5 +1,5 @@
-// Energies that schemes which choose the length of their steps hold to, of scenes H = ½ pᵀg⁻¹p + V(q) whose size is
-// known when they run.
+// Energies of scenes H = ½ pᵀg⁻¹p + V(q), whose size is known only at run time, that schemes which choose the length of
+// their steps conserve.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace least {
 
-/// An energy of a run, and its derivatives by the state (q, p) that the run begins at.
+/// EnergyLevel is an energy of a run, and its derivatives with respect to the start (q, p).
 struct EnergyLevel {
   double value;
   std::vector<double> slopes;
 };
-/// H at the start.
+/// energy_of_start returns H at the start x = (q, p).
 EnergyLevel energy_of_start(const text::SizedScene& scene, const double* x);
-/// The discrete energy of a first step of this length of the variational midpoint rule; without one H. Both without the
-/// numbers among the terms of V.
+/// energy_of_first_step returns the discrete energy of a first step of this length of the variational midpoint rule, or
+/// H if that step fails. With a constant metric it leaves out the constant terms of V.
 EnergyLevel energy_of_first_step(const text::SizedScene& scene, const double* x, double step);
 
 }  // namespace least

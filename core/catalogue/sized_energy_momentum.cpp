@@ -43,7 +43,7 @@ StepStatus SizedEnergyMomentum<T>::step(T* x, T& h) noexcept {
   return StepStatus::ok;
 }
 
-/// From h₀, for v and (h/h₀)²: E_d is nearly linear in h².
+/// Newton's method from h₀ for v and (h/h₀)², since E_d is nearly linear in h².
 template <class T>
 bool SizedEnergyMomentum<T>::solve(const T* x) {
   constexpr int most_iterations = 20;
@@ -56,7 +56,7 @@ bool SizedEnergyMomentum<T>::solve(const T* x) {
   for (std::size_t i = 0; i < n; ++i) grain += 8 * epsilon * std::abs(start_[i]);
   grain /= std::abs(step_);
   double square = 1;    // (h/h₀)²
-  bool outworn = true;  // the matrix: one does for some rounds
+  bool outworn = true;  // the matrix, which is kept for several rounds
   double before = std::numeric_limits<double>::infinity();
   for (int k = 0; k < most_iterations; ++k) {
     ++work_.iterations;
@@ -69,12 +69,12 @@ bool SizedEnergyMomentum<T>::solve(const T* x) {
       velocity_[i] -= wrong_[i];
     }
     square -= of_square;
-    if (!(square > 0 && square < 64 * most)) return false;  // also where it is no number
+    if (!(square > 0 && square < 64 * most)) return false;  // also if it is NaN
     h_ = step_ * std::sqrt(square);
     const double changed = change / scale + std::abs(of_square) / square;
     outworn = changed > 1e-2 * before;
     before = changed;
-    // An energy that is right to its last digits says no more about h.
+    // An energy error at round-off does not determine h any further.
     const bool kept = std::abs(excess) <= 4 * epsilon * (size_ + std::abs(level));
     if (change <= small * scale + grain && (kept || std::abs(of_square) <= small * square))
       return square >= 1 / most && square <= most;
@@ -82,7 +82,7 @@ bool SizedEnergyMomentum<T>::solve(const T* x) {
   return false;
 }
 
-/// v after half a kick; the size of velocities.
+/// guess sets v to that after half a kick; returns the size of velocities.
 template <class T>
 double SizedEnergyMomentum<T>::guess() {
   const std::size_t n = velocity_.size();

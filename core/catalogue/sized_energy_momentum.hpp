@@ -1,8 +1,8 @@
-// energy_momentum on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known when they run: the map of
+// energy_momentum on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known only at run time: the map of
 // core/schemes/energy_momentum.hpp. The velocity v and the length h of a step solve, at the place y = q₀ + (h/2) v,
 //   M v + (h/2) ∇V(y) = p₀,  ½ vᵀM v + V(y) = E₀,
-// by Newton's method, whose matrix is M + (h²/4) V″, as sparse as the potential, with a border for h: two right sides
-// for one decomposition.
+// by Newton's method. Its matrix is M + (h²/4) V″, as sparse as the potential, with a border for h, so that one
+// decomposition solves for two right sides.
 #pragma once
 
 #include <concepts>
@@ -15,43 +15,44 @@
 
 namespace least {
 
-/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+/// T is double, or dual numbers whose derivatives are those of the solution.
 template <class T>
 class SizedEnergyMomentum {
  public:
   SizedEnergyMomentum(const text::SizedScene& scene, const EnergyMomentum& scheme, const T& level);
 
-  /// As a run with this energy begins.
+  /// Starts as a run with this energy does.
   void begin(const T*, const T& level) { level_ = level; }
-  /// A step of its own length, which is left in `h`. One that fails leaves no state.
+  /// Takes a step and writes its length to `h`. If it fails, x is undefined.
   StepStatus step(T* x, T& h) noexcept;
   template <std::same_as<RunState> X>
-  StepStatus step(X& x) noexcept {  // in numbers
+  StepStatus step(X& x) noexcept {  // in plain numbers
     double h = 0;
     const StepStatus status = step(x.numbers.data(), h);
     x.t += h;
     return status;
   }
   Work work() const { return {work_.forces + nominal_.work().forces, work_.iterations + nominal_.work().iterations}; }
-  /// Of the step from a to b.
+  /// The discrete energy of the step from a to b.
   double discrete_energy(const RunState& a, const RunState& b) const;
-  /// Steps of the nominal length, because there is none that keeps the discrete energy.
+  /// The number of steps of the nominal length, taken where no length conserves the discrete energy.
   std::int64_t fallback_steps() const { return fallbacks_; }
 
  private:
-  static constexpr double most = 16;  ///< of (h/h₀)², and of its inverse
+  static constexpr double most = 16;  ///< bound on (h/h₀)² and its inverse
 
-  /// Leaves v and h, as numbers; false where there are none within bounds.
+  /// Solves for v and h in plain numbers; false if there is no solution within the bounds.
   bool solve(const T* x);
   double guess();
-  /// At v and h the first equation's residual and what both equations change by with h; E_d − E₀.
+  /// Evaluates at v and h the residual of the first equation and the derivatives of both equations by h; returns the
+  /// energy error E_d − E₀.
   double look();
-  /// The matrix there; false: it is not to go on.
+  /// Computes and factors the matrix there; false: the computation is to end (AskedByThread).
   bool prepare();
-  /// By how much v, in `wrong_` in the place of the first equation's right side, and h are off, where `excess` is the
-  /// right side of the second.
+  /// Solves the bordered system for the corrections of v, in place of the right side in `wrong_`, and of h, which it
+  /// returns; `excess` is the right side of the second equation.
   double eliminate(double excess);
-  /// v and h with what rides along; false where nothing is known of that.
+  /// Writes v and h with their derivatives; false if the derivatives cannot be computed.
   bool ride_along(const T* x);
 
   const text::SizedScene* scene_;
@@ -61,7 +62,7 @@ class SizedEnergyMomentum {
   std::shared_ptr<PlaceMatrix> matrix_;  ///< shared by copies: it keeps nothing from one step to the next
   std::vector<double> start_, velocity_, place_;
   std::vector<double> pushed_;          ///< M v + (h/2) ∇V(y), which is ∂E_d/∂v
-  std::vector<double> wrong_, border_;  ///< border: of the first equation by h
+  std::vector<double> wrong_, border_;  ///< border_: derivative of the first equation by h
   std::vector<Slope> along_, moved_;
   double h_ = 0, size_ = 0, of_length_ = 0;  ///< h; K + |V|; ∂E_d/∂h
   std::vector<T> v_, y_, slope_;
@@ -73,7 +74,7 @@ class SizedEnergyMomentum {
 extern template class SizedEnergyMomentum<double>;
 extern template class SizedEnergyMomentum<Slope>;
 
-/// The scheme as a run by its own clock takes it.
+/// SizedEnergyMomentumScheme is the scheme in the form that SelfTimedIntegrator needs.
 template <class Stepper>
 struct SizedEnergyMomentumScheme {
   EnergyMomentum chosen;

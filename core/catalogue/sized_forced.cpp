@@ -55,7 +55,7 @@ StepStatus ForcedKick::kick_along(double* x, const double* slope, double t, doub
   } else {
     StepStatus status = midpoint(x, slope, t, h, work);
     if (turned_ || (scene_->forces.can_rest() && !scene_->has_full_mass())) {
-      bool slides = status == StepStatus::ok;  // every momentum whose force jumps, on its side of 0
+      bool slides = status == StepStatus::ok;  // whether every momentum whose force jumps stays on its side of 0
       for (std::size_t i = 0; i < n_ && slides; ++i) slides = !jumps(i) || x[n_ + i] * (x[n_ + i] + change_[i]) > 0;
       if (!slides) status = through_rest(x, slope, t, h, work);
     }
@@ -101,8 +101,8 @@ void ForcedKick::look(const double* x, const double* p, double t) {
   }
 }
 
-/// With ṗ = w at the start: p changes by h φ₁(hB) w, and its mean is p + h φ₂(hB) w. The work is the change of K less
-/// that of −∇V, whose power is linear in p.
+/// exact: with ṗ = w at the start, p changes by h φ₁(hB) w, and its mean is p + h φ₂(hB) w. The work is the change of K
+/// minus that of −∇V, whose power is linear in p.
 void ForcedKick::exact(const double* x, const double* slope, double t, double h) {
   const double *const p = x + n_, *const jacobian = looked_.data() + n_;
   look(x, nullptr, t);
@@ -136,8 +136,8 @@ void ForcedKick::exact(const double* x, const double* slope, double t, double h)
   for (std::size_t i = 0; i < n_; ++i) work_ += change_[i] * velocity_[i];
 }
 
-/// Solves m = p + (h/2)(−∇V + F(q, m, t)) for the midpoint m. The work is that of F there, so that it is the change of
-/// K less that of −∇V to round-off.
+/// midpoint solves m = p + (h/2)(−∇V + F(q, m, t)) for the midpoint m. The work is that of F at m, so that it is the
+/// change of K minus the work of −∇V to round-off.
 StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, double h, Work& work) {
   constexpr int most_rounds = 50;
   const double *const p = x + n_, *const jacobian = looked_.data() + n_;
@@ -151,7 +151,7 @@ StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, 
     double changed = 0, size = std::numeric_limits<double>::min();
     for (std::size_t i = 0; i < n_; ++i) {
       change_[i] = h * (looked_[i] - slope[i]);
-      rate_[i] = middle_[i] - p[i] - 0.5 * change_[i];  // what is wrong
+      rate_[i] = middle_[i] - p[i] - 0.5 * change_[i];  // residual
       size += std::abs(p[i]) + std::abs(change_[i]);
     }
     if (!diagonal) {
@@ -184,8 +184,8 @@ StepStatus ForcedKick::midpoint(const double* x, const double* slope, double t, 
   return StepStatus::solver_failed;
 }
 
-/// What a force is on either side of rest it is with the other momenta as they are. Where each reads its own alone, all
-/// are looked at together.
+/// look_beside_rest evaluates ṗ on either side of rest, with the other momenta as they are. If each force depends on
+/// its own momentum alone, all are evaluated together.
 void ForcedKick::look_beside_rest(const double* x, const double* slope, double t, std::size_t which) {
   const bool together = diagonal_;
   if (together && looked_beside_) return;
@@ -218,7 +218,7 @@ StepStatus ForcedKick::through_rest(const double* x, const double* slope, double
     side_[i] = p[i] > 0 ? 1 : p[i] < 0 ? -1 : !jumps(i) || holds(i) ? 0 : h * above_[i] > 0 ? 1 : -1;
     middle_[i] = p[i];
   }
-  // Newton's method for the midpoint, where a momentum whose force jumps stays on its side.
+  // Newton's method for the midpoint; a momentum whose force jumps stays on its side.
   const auto rests = [&](std::size_t i) { return jumps(i) && side_[i] == 0; };
   const auto inside = [&](std::size_t i) { return !jumps(i) || side_[i] * middle_[i] > beside_rest_; };
   bool solved = false;
@@ -244,7 +244,7 @@ StepStatus ForcedKick::through_rest(const double* x, const double* slope, double
   if (!solved) return StepStatus::solver_failed;
   work_ = 0;
   for (std::size_t i = 0; i < n_; ++i) {
-    // F has its share of a change, and works along the mean momentum.
+    // The part of F in a change of p does work along the mean momentum.
     const auto part = [&](double change, double mean, double time) {
       work_ += (change + time * slope[i]) * (inverse_mass(i) * mean);
     };
@@ -263,8 +263,8 @@ StepStatus ForcedKick::through_rest(const double* x, const double* slope, double
   return StepStatus::ok;
 }
 
-/// What is wrong with the midpoint, in `rate_`, becomes the correction of it. A momentum that rests, or whose side ends
-/// there, is known: nothing follows it.
+/// solve_on_sides replaces the residual of the midpoint in `rate_` by the correction. A momentum that rests, or reaches
+/// the end of its side, is fixed: others do not react to it.
 template <class Rests, class Inside>
 void ForcedKick::solve_on_sides(double h, bool diagonal, const Rests& rests, const Inside& inside) {
   const double* const jacobian = looked_.data() + n_;

@@ -1,7 +1,7 @@
-// Kicks and drifts of forced scenes, H and forces F(q, p, t) beside it: ṗ = −H_q + F. Each carries the work
-// W = ∫ F·q̇ dt by its own quadrature, as the component after the momenta. No form is kept; where F = 0 the maps are
-// those of core/schemes/splitting.hpp. Sources: Marsden & West, Acta Numerica 10, 357 (2001), part 3; Hairer, Lubich,
-// Wanner 2006, V.3.
+// Kicks and drifts of forced scenes, H with forces F(q, p, t): ṗ = −H_q + F. Each carries the work W = ∫ F·q̇ dt by its
+// own quadrature, as the component after the momenta. No form is conserved; for F = 0 the maps are those of
+// core/schemes/splitting.hpp. Sources: Marsden & West, Acta Numerica 10, 357 (2001), part 3; Hairer, Lubich, Wanner
+// 2006, V.3.
 #pragma once
 
 #include <limits>
@@ -16,16 +16,16 @@
 
 namespace least {
 
-/// Of H = K(p) + V(q, t) the kick over a time h at a fixed place and time, ṗ = −∇V + F(q, p, t): exact where F is
-/// linear in p, else the implicit midpoint rule in p alone, which is symmetric. Where a force jumps with the momentum
-/// that it acts on and with no other, as dry friction does, this is solved for on its own side of 0; where it comes to
-/// 0 and the forces on either side lead back to it, it stays there until they no longer do (Filippov's solution).
-/// Friction between bodies is that of the momenta that it jumps with (TurnedMomenta).
+/// ForcedKick is the kick over a time h for H = K(p) + V(q, t) at fixed place and time, ṗ = −∇V + F(q, p, t): exact if
+/// F is linear in p, otherwise by the implicit midpoint rule in p, which is symmetric. A force that jumps with the sign
+/// of the momentum on which it acts, and with no other, as dry friction, is solved for on one side of 0. If the
+/// momentum comes to 0 and the forces on both sides drive it back, it stays at 0 until they no longer do (Filippov's
+/// solution). For friction between bodies the same holds in the momenta in which the force jumps (TurnedMomenta).
 class ForcedKick {
  public:
   explicit ForcedKick(const text::SizedScene& scene);
 
-  /// Of the state x with ∇V at its place.
+  /// Kicks the state x; `slope` is ∇V at its place.
   StepStatus kick(double* x, const double* slope, double t, double h, Work& work);
 
  private:
@@ -33,11 +33,11 @@ class ForcedKick {
   void velocity_of(const double* p, double* v) const;
   double inverse_mass(std::size_t i) const { return turned_ ? turned_->inverse_mass[i] : scene_->inverse_mass()[i]; }
   bool jumps(std::size_t i) const { return turned_ ? turned_->jumping[i] : scene_->forces.jumping[i]; }
-  /// Writes F and ∂F/∂p at the place of x and some momenta p; null: at rest.
+  /// look evaluates F and ∂F/∂p at the place of x and the momenta p; null: at rest.
   void look(const double* x, const double* p, double t);
   void exact(const double* x, const double* slope, double t, double h);
   StepStatus midpoint(const double* x, const double* slope, double t, double h, Work& work);
-  /// Of momenta that come to 0, or rest there.
+  /// through_rest is the kick if momenta come to 0, or rest there.
   StepStatus through_rest(const double* x, const double* slope, double t, double h, Work& work);
   void look_beside_rest(const double* x, const double* slope, double t, std::size_t which);
   template <class Rests, class Inside>
@@ -46,22 +46,22 @@ class ForcedKick {
 
   const text::SizedScene* scene_;
   std::size_t n_;
-  bool diagonal_ = true;        ///< ∂F/∂p in the momenta of kicks
-  std::vector<double> at_;      ///< q and p, where forces are looked at
+  bool diagonal_ = true;        ///< ∂F/∂p is diagonal in the momenta of kicks
+  std::vector<double> at_;      ///< q and p at which forces are evaluated
   std::vector<double> looked_;  ///< F and ∂F/∂p there
   std::vector<double> rate_;    ///< ṗ at the start of the kick
-  std::vector<double> change_;  ///< of p
+  std::vector<double> change_;  ///< change of p over the kick
   std::vector<double> middle_;  ///< the mean of p over the kick, or its midpoint
   std::vector<double> velocity_, matrix_;
-  std::vector<double> above_, below_;                        ///< ṗ on either side of 0
-  bool looked_beside_ = false;                               ///< in this kick, at all of these together
-  std::vector<double> side_;                                 ///< of 0, 1 or −1; 0 of what rests
-  double work_ = 0;                                          ///< of the kick
-  std::shared_ptr<const TurnedMomenta> turned_;              ///< momenta of kicks are these
-  std::vector<double> state_, slope_, given_;                ///< of turned momenta; scratch
-  double beside_rest_ = std::numeric_limits<double>::min();  ///< of 0
+  std::vector<double> above_, below_;            ///< ṗ on either side of 0
+  bool looked_beside_ = false;                   ///< whether above_ and below_ are known for all momenta in this kick
+  std::vector<double> side_;                     ///< side of 0 of each momentum, 1 or −1; 0 if it rests
+  double work_ = 0;                              ///< work of F in the kick
+  std::shared_ptr<const TurnedMomenta> turned_;  ///< the momenta of kicks, if they are not those of the scene
+  std::vector<double> state_, slope_, given_;    ///< scratch for turned momenta
+  double beside_rest_ = std::numeric_limits<double>::min();  ///< |p| at which forces on either side of 0 are evaluated
 
-  /// Of matrices of numbers, by the length of kicks; steppers that are copied share them.
+  /// φ functions of h·∂F/∂p by the length h of kicks; copies of a stepper share them.
   struct Known {
     double h = std::numeric_limits<double>::quiet_NaN();
     MatrixPhi phi;
@@ -69,7 +69,8 @@ class ForcedKick {
   std::shared_ptr<std::vector<Known>> known_;
 };
 
-/// Kicks and drifts. Kicks that meet stay two where they are not exact, so that a composition of symmetric maps is one.
+/// ForcedKickDrift alternates kicks and drifts. Two kicks that meet are not merged if they are not exact, so that a
+/// composition of symmetric maps stays symmetric.
 class ForcedKickDrift {
  public:
   using Piece = Sequence<double>::Piece;
@@ -77,7 +78,7 @@ class ForcedKickDrift {
   ForcedKickDrift(const text::SizedScene& scene, std::vector<Piece> pieces);
 
   void begin(const double* x, double t);
-  /// A step that fails leaves neither the state nor the stepper as they were.
+  /// If a step fails, the state and the stepper are undefined.
   StepStatus step(double* x, double t, double h) noexcept;
   const Work& work() const { return work_; }
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
@@ -86,7 +87,7 @@ class ForcedKickDrift {
   void look(const double* q, double t);
 
   const text::SizedScene* scene_;
-  std::vector<Piece> pieces_;  ///< as fractions of the step
+  std::vector<Piece> pieces_;  ///< in fractions of the step
   ForcedKick kick_;
   std::vector<double> slope_;  ///< ∇V at the state's q
   std::vector<double> velocity_;

@@ -20,7 +20,7 @@ SizedGauss<T>::SizedGauss(const text::SizedScene& scene, const ContactGauss& sch
       slope_(guess_.size()),
       solver_(std::make_shared<PlaceSolver>(scene, rule_.stages)) {}
 
-/// P_s′ = α(t) P_s: σ_i − h Σ_j a_ij α_j σ_j = 1.
+/// scales solves P_s′ = α(t) P_s: σ_i − h Σ_j a_ij α_j σ_j = 1.
 template <class T>
 auto SizedGauss<T>::scales(const Few& alpha, double h) const -> Few {
   const std::size_t stages = rule_.stages;
@@ -51,7 +51,7 @@ StepStatus SizedGauss<T>::step(T* x, double t, double h) noexcept {
   if (!(std::abs(end) > least_denominator)) return StepStatus::singular;
 
   Square beta{};
-  Few of_slope{};  // what ∇V at each stage does to the end of the step, by h²
+  Few of_slope{};  // effect of ∇V at each stage on the end of the step, in units of h²
   double of_start = 0;
   scene_->velocity(p, velocity_.data());
   for (std::size_t i = 0; i < stages; ++i) {
@@ -87,7 +87,7 @@ template <class T>
 void SizedGauss<T>::move_action(T& s, const T* p, const Few& time, const Few& alpha, const Few& scale, double h) {
   const std::size_t n = scene_->coordinates, stages = rule_.stages;
   Square matrix{};
-  std::array<T, StageRule::most_stages> rate{};  // ṡ without what the stages before add to s
+  std::array<T, StageRule::most_stages> rate{};  // ṡ without the part of the stages in s
   for (std::size_t i = 0; i < stages; ++i) {
     for (std::size_t k = 0; k < n; ++k) {
       T pulled = p[k];

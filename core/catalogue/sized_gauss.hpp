@@ -1,7 +1,7 @@
-// contact_gauss on scenes H = ½ pᵀM⁻¹p + V(q, t) + α(t) s whose size is known when they run: the map of
+// contact_gauss on scenes H = ½ pᵀM⁻¹p + V(q, t) + α(t) s whose size is known only at run time: the map of
 // core/schemes/contact_gauss.hpp. P_s at the stages, σ_i, is known beforehand, and momenta follow from the slopes of V,
 //   p_i = (p₀ − h Σ_k a_ik σ_k ∇V(q_k)) / σ_i,
-// so that the places at the stages are all that is solved for:
+// so that only the places at the stages are unknown:
 //   M (q_i − q₀ − h Σ_j a_ij v₀/σ_j) + h² Σ_k (Σ_j a_ij a_jk σ_k/σ_j) ∇V(q_k) = 0.
 #pragma once
 
@@ -15,11 +15,11 @@
 
 namespace least {
 
-/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+/// T is double, or dual numbers whose derivatives are those of the solution.
 template <class T>
 class SizedGauss {
  public:
-  /// `components`: of the states, with s or without it.
+  /// `components` of the states, with or without s.
   SizedGauss(const text::SizedScene& scene, const ContactGauss& scheme, std::size_t components);
 
   void begin(const T*, double) { work_ = {}; }
@@ -33,17 +33,17 @@ class SizedGauss {
   using Few = std::array<double, StageRule::most_stages>;
   using Square = std::array<double, StageRule::most_stages * StageRule::most_stages>;
 
-  /// σ at the stages.
+  /// scales returns σ at the stages.
   Few scales(const Few& alpha, double h) const;
-  /// ṡ = K − V − α s by the same collocation, which is linear in s.
+  /// move_action advances s by ṡ = K − V − α s with the same collocation, which is linear in s.
   void move_action(T& s, const T* p, const Few& time, const Few& alpha, const Few& scale, double h);
 
   const text::SizedScene* scene_;
   ContactGauss scheme_;
   StageRule rule_;
-  bool acts_;  ///< states have s
+  bool acts_;  ///< states carry s
   std::vector<T> momentum_, velocity_;
-  std::vector<T> guess_, place_, slope_;  ///< of all stages: where no force would lead, where they are, and ∇V there
+  std::vector<T> guess_, place_, slope_;  ///< of all stages: places without forces, places, and ∇V there
   std::shared_ptr<PlaceSolver> solver_;   ///< shared by copies: it keeps nothing from one step to the next
   Work work_;
 };

@@ -59,7 +59,7 @@ template <class T>
 StepStatus SizedHerglotz<T>::stage(T* x, double t, double h) {
   for (std::size_t i = 0; i < start_.size(); ++i) start_[i] = plain_number(x[i]);
   scene_->rate.evaluate(start_.data(), t, rate_.data());
-  double size = 0;  // of velocities: they mean something down to what they do to the place
+  double size = 0;  // size of velocities: changes that do not change the place are round-off
   for (std::size_t i = 0; i < n_; ++i) {
     size += std::abs(start_[i]);
     z_[i] = T(path_ == SizedPath::straight ? rate_[i] : 0.5 * rate_[i]);
@@ -112,7 +112,7 @@ bool SizedHerglotz<T>::prepare(double t, double h, const T* z) {
          solver_->newton.matrix.factor();
 }
 
-/// With a matrix of its own in each round, for steps so long that one does not do for more.
+/// solve_closely computes the matrix in each round, for steps so long that keeping it fails.
 template <class T>
 StepStatus SizedHerglotz<T>::solve_closely(const T* x, double t, double h) {
   constexpr int most_rounds = 50;
@@ -185,8 +185,8 @@ StepStatus SizedHerglotz<T>::end_straight(T* x, double t, double h) {
   return StepStatus::ok;
 }
 
-/// Along q₀ + …, with z = ((b − q₀)/h, (q₁ − q₀)/h), the stages of Runge–Kutta's scheme for s; each derivative of s₁
-/// runs through them: dk_{j+1} = own part + L_s · (part of h) · dk_j.
+/// walk evaluates the stages of the Runge–Kutta scheme for s along the parabola with z = ((b − q₀)/h, (q₁ − q₀)/h);
+/// each derivative of s₁ is carried through them: dk_{j+1} = own part + L_s · (part of h) · dk_j.
 template <class T>
 template <class A, class U>
 void SizedHerglotz<T>::walk(const A* x, double t, double h, const U* z, Nodes<U>& nodes) const {
@@ -208,7 +208,7 @@ void SizedHerglotz<T>::walk(const A* x, double t, double h, const U* z, Nodes<U>
   stage(1, half, U(s0 + half * value(0)), middle, mean);
   if (scene_->acting) {
     stage(2, half, U(s0 + half * value(1)), middle, mean);
-  } else {  // the middle is met once
+  } else {  // without s the middle is evaluated once
     nodes.node[2] = nodes.node[1];
   }
   stage(

@@ -12,7 +12,8 @@
 namespace least {
 namespace {
 
-/// M + β V″ has entries where V″ has, and where M has; of stages each block of it.
+/// pattern_of returns the sparsity pattern of M + β V″: that of V″ and of M; with several stages it is that of each
+/// block.
 SparsityPattern pattern_of(const text::SizedScene& scene, std::size_t stages) {
   SparsityPattern pattern = scene.curvature().pattern();
   const auto n = static_cast<std::uint32_t>(pattern.size());
@@ -52,7 +53,7 @@ PlaceMatrix::PlaceMatrix(const text::SizedScene& scene, std::size_t stages)
   }
 }
 
-/// Asks the clock, most often, which takes as long as a few rows.
+/// Asks AskedByThread, which usually reads the clock, and takes as long as a few rows.
 bool PlaceMatrix::goes_on() const {
   constexpr std::size_t few_rows = 16;
   return system_.size() <= few_rows || AskedByThread::goes_on();
@@ -105,10 +106,10 @@ PlaceSolver::PlaceSolver(const text::SizedScene& scene, std::size_t stages)
       place_(update_.size()),
       slope_(update_.size()) {}
 
-/// Simplified Newton iteration: one matrix for a few rounds, made anew where they contract badly. Ends where an update
-/// is lost in the rounding of the place, or is near that and the next one would be lost in the rounding of the way from
-/// the start: a round contracts by no more than four times what the one before did, which was the first of its matrix
-/// or alike.
+/// iterate is a simplified Newton iteration: it keeps the matrix for a few rounds, and renews it if they contract
+/// badly. It ends if an update is lost in the rounding of the place, or is close to that and the next one would be lost
+/// in the rounding of the way from the start: a round is taken to contract at most four times worse than the one
+/// before.
 template <class Count, class Stages>
 StepStatus PlaceSolver::iterate(Count n, Stages stages, const double* start, const double* beta, const double* t,
                                 double* place, double* slope, Work& work) {
@@ -143,7 +144,7 @@ StepStatus PlaceSolver::iterate(Count n, Stages stages, const double* start, con
     }
     if (!(changed < std::numeric_limits<double>::max())) return StepStatus::solver_failed;
     const double small = 2 * epsilon * size;
-    // The slope is that of the place, and the update is less than is known of either.
+    // The slope belongs to the place, and the update is smaller than the accuracy of either.
     if (changed <= small || (changed >= 0.5 * before && changed <= 1e3 * small)) return StepStatus::ok;
     for (std::size_t i = 0; i < all; ++i) place[i] -= update[i];
     if (4 * changed * changed <= epsilon * way * before && changed <= 1e3 * small) {
@@ -234,7 +235,7 @@ double SizedVariational<T>::step_energy(StateView from, double h) {
   return status == StepStatus::ok && std::isfinite(plain_number(energy_)) ? plain_number(energy_) : unknown;
 }
 
-/// With f = (h/2) α at the middle: y = q₀ + (h/2) v, M v = (1 − f) p₀ − (h/2) ∇V(y).
+/// midpoint: with f = (h/2) α at the middle: y = q₀ + (h/2) v, M v = (1 − f) p₀ − (h/2) ∇V(y).
 template <class T>
 StepStatus SizedVariational<T>::midpoint(T* x, double t, double h) {
   const std::size_t n = slope_.size();
@@ -295,7 +296,7 @@ StepStatus SizedVariational<T>::simpson(T* x, double t, double h) {
     v[0] = potential(x, t);
     v[1] = potential(middle_.data(), t + half);
   }
-  // Momenta M u and M w, in the place of what they are made of.
+  // The momenta M u and M w replace momentum_ and guess_.
   for (std::size_t i = 0; i < n; ++i) {
     const T known = momentum_[i], u = (ratio * known - c * h * bent_[i]) / whole, w = (of_u * u - known) / of_w;
     momentum_[i] = w;
@@ -310,7 +311,7 @@ StepStatus SizedVariational<T>::simpson(T* x, double t, double h) {
   if (!asked) return StepStatus::ok;
 
   v[2] = potential(x, t + h);
-  std::vector<T>& at = middle_;  // of no more use
+  std::vector<T>& at = middle_;  // its values are no longer needed
   for (std::size_t k = 0; k < 3; ++k) {
     constexpr double u_part[] = {4, 0, -4}, w_part[] = {-1, 1, 3};
     for (std::size_t i = 0; i < n; ++i) at[i] = u_part[k] * guess_[i] + w_part[k] * momentum_[i];

@@ -1,4 +1,4 @@
-// jacobi_maupertuis on scenes whose size is known when they run, by the steps of
+// jacobi_maupertuis on scenes whose size is known only at run time, by the steps of
 // core/catalogue/sized_jacobi_motion.hpp, or core/catalogue/metric_jacobi_motion.hpp.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace least {
 
-/// In the numbers of its motion: double, or dual numbers, whose derivatives are those of the solution.
+/// The number type is that of Motion: double, or dual numbers whose derivatives are those of the solution.
 template <class Motion>
 class SizedJacobiMaupertuis {
   using T = typename Motion::Number;
@@ -19,12 +19,12 @@ class SizedJacobiMaupertuis {
   SizedJacobiMaupertuis(const text::SizedScene& scene, const JacobiMaupertuis& scheme, const T& level)
       : hybrid_(Motion(scene, scheme.quadrature, level), scheme) {}
 
-  /// At x, as a run with this energy begins.
+  /// Starts at x as a run with this energy does.
   void begin(const T* x, const T& level);
-  /// From there, or where the step before has led. A step of its own length, which is left in `h`.
+  /// Takes a step from there, or from the end of the last step, and writes its length to `h`.
   StepStatus step(T* x, T& h) noexcept;
   template <std::same_as<RunState> X>
-  StepStatus step(X& x) noexcept {  // in numbers
+  StepStatus step(X& x) noexcept {  // in plain numbers
     double h = 0;
     const StepStatus status = step(x.numbers.data(), h);
     x.t += h;
@@ -33,7 +33,7 @@ class SizedJacobiMaupertuis {
   const ActiveMethod& active_method() const { return hybrid_.active_method(); }
   void go_on(const ActiveMethod& course) { hybrid_.go_on(course); }
   Work work() const { return hybrid_.work(); }
-  /// Of the step from a to b, taken in this way.
+  /// The discrete energy of the step from a to b, taken by the method `course`.
   double discrete_energy(const RunState& a, const RunState& b, const ActiveMethod& course) const;
   std::int64_t fallback_steps() const { return hybrid_.fallback_steps(); }
 
@@ -48,7 +48,7 @@ extern template class SizedJacobiMaupertuis<SizedJacobiMotion<Slope>>;
 extern template class SizedJacobiMaupertuis<MetricJacobiMotion<double>>;
 extern template class SizedJacobiMaupertuis<MetricJacobiMotion<Slope>>;
 
-/// The scheme as a run by its own clock takes it.
+/// SizedJacobiScheme is the scheme in the form that SelfTimedIntegrator needs.
 template <class Motion>
 struct SizedJacobiScheme {
   JacobiMaupertuis chosen;

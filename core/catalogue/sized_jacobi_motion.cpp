@@ -14,7 +14,7 @@ T dot_of(const std::vector<T>& a, const std::vector<T>& b) {
   return sum;
 }
 
-/// Whether the time of a step is that of the motion nearby, which takes the time a.
+/// is_near returns whether the time h of a step is comparable with the time a of the motion itself.
 template <class T>
 bool is_near(const T& h, const T& a) {
   const T ratio = h / a;
@@ -82,7 +82,7 @@ StepStatus SizedJacobiMotion<T>::in_time(Site& x, const T& h, Work& work) const 
   return StepStatus::ok;
 }
 
-/// M (y − q₀) − (h/2) p₀ + (h²/4) ∇V(y) = 0, and what follows from y; what rides along by one round of Newton's method.
+/// middle_step solves M (y − q₀) − (h/2) p₀ + (h²/4) ∇V(y) = 0; derivatives by one more round of Newton's method.
 template <class T>
 StepStatus SizedJacobiMotion<T>::middle_step(Site& x, const T& h, Work& work) const {
   Scratch& s = *scratch_;
@@ -142,7 +142,7 @@ double SizedJacobiMotion<T>::grain_of(const Numbers& q, const T& a) const {
   return std::abs(plain_number(a)) * (std::pow(epsilon, 0.75) + epsilon * size / way);
 }
 
-/// Δ = h u − (h²/2) M⁻¹∇V(q₀) + λ M⁻¹e_σ with u = M⁻¹p₀; Newton's method for h.
+/// along_trapezoid: Δ = h u − (h²/2) M⁻¹∇V(q₀) + λ M⁻¹e_σ with u = M⁻¹p₀; Newton's method for h.
 template <class T>
 StepStatus SizedJacobiMotion<T>::along_trapezoid(Site& x, std::size_t sigma, const T& delta, const T& a,
                                                  Work& work) const {
@@ -157,7 +157,7 @@ StepStatus SizedJacobiMotion<T>::along_trapezoid(Site& x, std::size_t sigma, con
   s.part[sigma] = 0;
   const double w = s.column[sigma];
   T h = a, lambda(0), potential(0), wrong(0), rate(0);
-  const auto look_with = [&](const T& time) {  // where time leads, and what is wrong with it
+  const auto look_with = [&](const T& time) {  // the end of a step of this time, and its residual
     const T half_square = 0.5 * time * time;
     lambda = (delta - time * s.free[sigma] + half_square * s.bent[sigma]) / w;
     T square(0);
@@ -170,7 +170,7 @@ StepStatus SizedJacobiMotion<T>::along_trapezoid(Site& x, std::size_t sigma, con
     const T gap = energy - 0.5 * (x.potential + potential);
     wrong = square - 2 * time * time * gap;
     const T of_lambda = (time * s.bent[sigma] - s.free[sigma]) / w;
-    T turned(0), lifted(0);  // by time: half of ΔᵀMΔ, and V at the end
+    T turned(0), lifted(0);  // derivatives by time of half of ΔᵀMΔ, and of V at the end
     for (std::size_t i = 0; i < n; ++i) {
       const T v = s.free[i] - time * s.bent[i] + of_lambda * s.column[i];
       turned = turned + v * (time * x.p[i] - half_square * x.slope[i] + (i == sigma ? lambda : T(0)));
@@ -250,7 +250,7 @@ StepStatus SizedJacobiMotion<T>::along_midpoint(Site& x, std::size_t sigma, cons
   };
   T gap = look_there();
   if (!(gap > T(0))) return StepStatus::solver_failed;
-  bool outworn = true;  // the matrix: one does for some rounds, but not for what rides along
+  bool outworn = true;  // the matrix, which is kept for several rounds, but not for derivatives
   double before = std::numeric_limits<double>::infinity();
   for (int k = 0, late = late_rounds;; ++k) {
     if (k == most_iterations) return StepStatus::solver_failed;
@@ -316,7 +316,7 @@ StepStatus SizedJacobiMotion<T>::along_midpoint(Site& x, std::size_t sigma, cons
   return StepStatus::ok;
 }
 
-/// The way is known, the time is ∫√(M/2(E₀ − V)) dq by Gauss's rule of three points.
+/// along_line: in one dimension the way is known, and the time is ∫√(M/2(E₀ − V)) dq by the Gauss rule of three points.
 template <class T>
 StepStatus SizedJacobiMotion<T>::along_line(Site& x, const T& delta, Work& work) const {
   using least::sqrt;
@@ -342,7 +342,7 @@ StepStatus SizedJacobiMotion<T>::along_line(Site& x, const T& delta, Work& work)
   return StepStatus::ok;
 }
 
-/// p_σ is replaced by the root of H(q, p) = E₀ nearest to it.
+/// energy_root replaces p_σ by the nearest root of H(q, p) = E₀.
 template <class T>
 bool SizedJacobiMotion<T>::energy_root(Site& x, std::size_t sigma) const {
   using least::sqrt;

@@ -1,9 +1,10 @@
-// jacobi_maupertuis on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known when they run: the steps that
-// core/schemes/jacobi_maupertuis_hybrid.hpp chooses among. Where the metric is constant a step of the
-// Jacobi–Maupertuis principle is one of Hamilton's whose time h is unknown, and which pushes the parameter by λ:
+// jacobi_maupertuis on scenes H = ½ pᵀM⁻¹p + V(q) whose size is known only at run time: the steps among which
+// core/schemes/jacobi_maupertuis_hybrid.hpp chooses. With a constant metric a step of the Jacobi–Maupertuis principle
+// is a step of Hamilton's principle of unknown time h, with a push λ on the coordinate that is the parameter:
 //   M Δ = h p₀ − (h²/2) ∇V + λ e_σ,  Δ_σ = δ,  ΔᵀM Δ = 2h² (E₀ − V̄).
-// With the trapezoid ∇V is known beforehand, and Δ and λ with h: one equation for h is left. With the midpoint rule ∇V
-// and V̄ are taken at y = q₀ + Δ/2: Newton's method for (y, h, λ), by the decomposition of M + (h²/4) V″.
+// With the trapezoid rule ∇V is known beforehand, and Δ and λ are functions of h: one equation for h is left. With the
+// midpoint rule ∇V and V̄ are taken at y = q₀ + Δ/2: Newton's method solves for (y, h, λ), by the decomposition of
+// M + (h²/4) V″.
 #pragma once
 
 #include <memory>
@@ -14,7 +15,8 @@
 
 namespace least {
 
-/// In numbers T: double, or dual numbers, whose derivatives are those of the solution.
+/// T is double, or dual numbers whose derivatives are those of the solution. The public members are those that
+/// core/schemes/jacobi_maupertuis_hybrid.hpp requires of a motion.
 template <class T>
 class SizedJacobiMotion {
  public:
@@ -39,40 +41,40 @@ class SizedJacobiMotion {
   T steepness(const Site& x) const;
   T gap(const Site& x) const { return energy - x.potential; }
   StepStatus in_time(Site& x, const T& h, Work& work) const;
-  /// Moves q^σ by δ, and everything else with it. A site that a step failed from is spoilt.
+  /// Moves q^σ by δ and the other variables with it. If the step fails, x is undefined.
   StepStatus along(Site& x, std::size_t sigma, const T& delta, double sign, Work& work) const;
   bool energy_root(Site& x, std::size_t sigma) const;
   T step_energy(const Site& x, const Site& y, const T& h) const;
 
  private:
   static constexpr int most_iterations = 40, most_halvings = 30;
-  /// Rounds that go on once the solution is there: derivatives that ride along converge a round later.
+  /// Additional rounds after convergence, since derivatives in dual numbers converge a round later.
   static constexpr int late_rounds = std::is_same_v<T, double> ? 0 : 1;
 
-  /// What is filled anew in every step.
+  /// Scratch is filled anew in every step.
   struct Scratch {
     Numbers v, w, free, bent, end, slope, wrong;
     std::vector<double> place, start, border, column, part;
   };
   /// aᵀM⁻¹a
   T with_inverse_mass(const Numbers& a) const;
-  /// V and ∇V.
+  /// Returns V at q, and writes ∇V to `slope`.
   T look_at(const Numbers& q, Numbers& slope, Work& work) const;
   StepStatus middle_step(Site& x, const T& h, Work& work) const;
   StepStatus along_trapezoid(Site& x, std::size_t sigma, const T& delta, const T& a, Work& work) const;
   StepStatus along_midpoint(Site& x, std::size_t sigma, const T& delta, const T& a, Work& work) const;
-  /// One degree of freedom.
+  /// along for one degree of freedom.
   StepStatus along_line(Site& x, const T& delta, Work& work) const;
-  /// By the factors of the matrix.
+  /// Solves with the factors of matrix_, in place.
   void solve(Numbers& b) const;
-  /// How small a change of h means nothing, where the way is v h.
+  /// grain_of returns the size of a change of h that is below round-off, on a way of length v h.
   double grain_of(const Numbers& q, const T& a) const;
 
   const text::SizedScene* scene_;
   Quadrature quadrature_;
-  bool slow_;                  ///< its forces take long: it asks now and then whether it is to go on
+  bool slow_;                  ///< forces take long, so it asks now and then whether to go on (AskedByThread)
   std::vector<double> scale_;  ///< √M_ii
-  // Shared by copies: they keep nothing from one step to the next. The first two are of the midpoint rule alone.
+  // Shared by copies, since they keep nothing from one step to the next. The first two are only for the midpoint rule.
   std::shared_ptr<PlaceMatrix> matrix_;
   std::shared_ptr<PlaceSolver> solver_;
   std::shared_ptr<Scratch> scratch_;

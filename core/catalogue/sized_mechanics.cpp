@@ -20,7 +20,7 @@
 namespace least {
 namespace {
 
-/// The variables of its equations of motion at a state.
+/// digits_of returns the variables of the equations of motion at a state.
 std::vector<DoubleDouble> digits_of(const text::SizedScene& scene, const RunState& x) {
   std::vector<Quad> all(x.numbers.begin(), x.numbers.end());
   all.resize(x.size() + scene.found());
@@ -28,8 +28,8 @@ std::vector<DoubleDouble> digits_of(const text::SizedScene& scene, const RunStat
   return least::digits_of(all);
 }
 
-/// Of a scene of few components whose motion has no series, as where a force has |v|: of the variables that it has.
-/// Empty where there are too many.
+/// truth_of_few returns the truth of a scene of few components whose motion has no series, as with a force that
+/// contains |v|, from the variables of its equations. Empty if there are too many.
 Truth truth_of_few(const text::SizedScene& scene, const std::vector<double>& initial, double start,
                    const std::vector<double>& times, const KeepGoing& keep_going, std::vector<std::size_t> kinds) {
   constexpr std::size_t room = text::compiled_variables;
@@ -107,8 +107,8 @@ class SizedMechanics final : public Mechanics {
   std::span<const SchemeCard> schemes() const override { return scheme_cards(); }
 
   Solution run(const Request& request, RowSink& sink, const std::atomic<bool>& cancelled) const override {
-    // States on their way: those between which steps lead, and of those that diagnostics see together half a mebibyte.
-    // What diagnostics follow beside the run takes as much as half a thousand.
+    // Memory of states during the run: those of the steppers, and half a mebibyte of states that diagnostics see
+    // together. Diagnostics that follow other motions beside the run hold about half a thousand states.
     const bool follows =
         std::ranges::any_of(request.diagnostics, [&](std::size_t i) { return !card_.diagnostics[i].by_default; });
     const std::size_t states = follows ? 512 : 32, rows = std::size_t(1) << 19;
@@ -121,7 +121,7 @@ class SizedMechanics final : public Mechanics {
   }
   std::unique_ptr<const RunBackend> backend(const Request& request) const override {
     auto sized = text_.sized(request.scene->parameters);
-    // Steps by Herglotz' equations, and those of a general H, are of all of a state.
+    // Steps by Herglotz' equations, and those of a general H, need the full state.
     const bool all = sized->forced || on_damped_metric(*sized) || asks_for_full_state(card_, request);
     return std::make_unique<const SizedBackend>(std::move(sized), all, forward_);
   }
@@ -178,7 +178,7 @@ class SizedMechanics final : public Mechanics {
   std::vector<std::size_t> kinds_;  ///< of the variables
   std::vector<Column> columns_;
   mutable std::mutex mutex_;
-  mutable std::pair<std::string, Scales> last_scales_;  ///< by the key of the scene; a search asks again and again
+  mutable std::pair<std::string, Scales> last_scales_;  ///< by the key of the scene; a search needs them repeatedly
 };
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace least {
 
-/// Of a form that text::SizedScene has. Throws tape::TooManyOperations where its equations of motion take more than
-/// those of a scene may.
+/// sized_mechanics returns the mechanics of a scene whose form text::SizedScene supports. Throws
+/// tape::TooManyOperations if its equations of motion take more operations than those of a scene may.
 std::shared_ptr<const Mechanics> sized_mechanics(text::TextScene scene);
 
 }  // namespace least

@@ -1,5 +1,5 @@
-// Newton's method for the equations of a step on a scene whose size is known when it runs: their derivatives in a few
-// directions at a time, and rounds with a matrix of their own.
+// Newton's method for the equations of a step on a scene whose size is known only at run time: derivatives along a few
+// directions at a time, and rounds that keep the matrix.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 
 namespace least {
 
-/// Directions that a matrix is made of at a time.
+/// A number with derivatives along a few directions, for a few columns of a matrix at a time.
 using FewDirections = Dual<double, 4>;
 inline constexpr std::size_t directions_at_once = std::tuple_size_v<decltype(FewDirections::slope)>;
 
-/// The derivatives of `equations(z, values)` by the unknowns, as the entries of a matrix; `trial` and `values` have
-/// room for as many numbers. False: it is not to go on (AskedByThread), which it asks where there are many.
+/// fill_jacobian writes the Jacobian of `equations(z, values)` to the entries of a matrix; `trial` and `values` have
+/// room for as many numbers. False: the computation is to end (AskedByThread), which is asked only for many unknowns.
 template <class T, class Equations>
 bool fill_jacobian(const T* z, std::vector<FewDirections>& trial, std::vector<FewDirections>& values,
                    NewtonMatrix& jacobian, Equations&& equations) {
@@ -38,27 +38,28 @@ bool fill_jacobian(const T* z, std::vector<FewDirections>& trial, std::vector<Fe
   return true;
 }
 
-/// Rounds that go on once the solution is there.
+/// late_rounds is the number of additional rounds after convergence for derivatives in dual numbers.
 template <class T>
 inline constexpr int late_rounds = std::is_same_v<T, double> ? 0 : 1;
 
-/// Newton's method in numbers T, with a matrix of plain numbers that is kept as long as rounds contract well:
-/// derivatives that ride along, for which none is kept, settle a round after the numbers.
+/// SmallNewton is Newton's method in numbers T, with a matrix of plain numbers that is kept as long as rounds contract
+/// well. For dual numbers no matrix is kept, and derivatives converge a round after the values.
 template <class T>
 class SmallNewton {
  public:
   explicit SmallNewton(std::size_t unknowns)
       : update(unknowns), matrix_(unknowns), wrong_(unknowns), trial_(unknowns), row_(unknowns) {}
 
-  std::vector<T> update;  ///< by how much the unknowns are off
+  std::vector<T> update;  ///< correction to subtract from the unknowns
 
-  /// Before the first round of a solution.
+  /// To be called before the first round of a solution.
   void begin() {
     outworn_ = true;
     before_ = std::numeric_limits<double>::infinity();
   }
-  /// `in_numbers(z, wrong)`: the equations in T at z; `in_rows`: the same of plain numbers in a few directions, of
-  /// which a matrix is made. False: it is not to go on (AskedByThread), which it asks where there are many unknowns.
+  /// Computes `update` at z. `in_numbers(z, wrong)` writes the residual in T; `in_rows` the same in plain numbers with
+  /// derivatives along a few directions, for the matrix. False: the computation is to end (AskedByThread), which is
+  /// asked only for many unknowns.
   template <class Numbers, class Rows>
   bool look(const T* z, Numbers&& in_numbers, Rows&& in_rows) {
     fresh_ = outworn_;
@@ -68,16 +69,16 @@ class SmallNewton {
     matrix_.solve(wrong_.data(), update.data());
     return true;
   }
-  /// Hears how large an update was, and says about how far off it leaves the unknowns: what a round with a matrix of
-  /// its own leaves is less than is known of them, where the update itself is small.
+  /// Takes the size of the last update, and returns an estimate of the remaining error of the unknowns. If that round
+  /// computed its own matrix, the estimate is 0, since the error is quadratically small in the update.
   double left(double changed) {
     rate_ = changed / before_;
     outworn_ = late_rounds<T> > 0 || rate_ > worst_rate;
     before_ = changed;
     return fresh_ ? 0 : changed * std::min(rate_, 1.0);
   }
-  /// Whether that update was no better than round-off, as it is where rounds no longer make updates smaller; `size`: of
-  /// what the unknowns are known against.
+  /// Whether that update was only round-off, as it is once rounds no longer make updates smaller; `size` is the size
+  /// that round-off is relative to.
   bool is_rounding(double size) const {
     return rate_ >= 0.5 && before_ <= 8e3 * std::numeric_limits<double>::epsilon() * size;
   }
@@ -86,8 +87,8 @@ class SmallNewton {
   static constexpr double worst_rate = 1e-2;
 
   NewtonMatrix matrix_;
-  bool outworn_ = true, fresh_ = true;  ///< whether the next round makes a matrix; whether this one did
-  double before_ = 0, rate_ = 0;        ///< the size of the last update, and beside the one before
+  bool outworn_ = true, fresh_ = true;  ///< whether the next round computes a matrix; whether this one did
+  double before_ = 0, rate_ = 0;        ///< size of the last update, and its ratio to the one before
   std::vector<T> wrong_;
   std::vector<FewDirections> trial_, row_;
 };

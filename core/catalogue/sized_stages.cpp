@@ -21,10 +21,11 @@ StageRule gauss_rule() {
   return rule;
 }
 
-/// v₀ − 2v_m + v₁ = 0 of the velocities along a parabola.
+/// v₀ − 2v_m + v₁ = 0 for the velocities along a parabola.
 constexpr std::array second_difference{1.0, -2.0, 1.0};
-/// Of Lobatto's three equations for a momentum, residuals or rows of the Jacobian, the principle says two combinations;
-/// the third is that of the velocities, which follows from the three where the metric is constant.
+/// take_bend replaces Lobatto's three equations for a momentum, as residuals or as rows of the Jacobian, by the two
+/// combinations that the principle implies, and by the linearity of velocities as the third, which follows from the
+/// three if the metric is constant.
 template <class T>
 void take_bend(T& first, T& middle, T& last, const T& of_velocities) {
   const T start = first;
@@ -80,7 +81,8 @@ StepStatus SizedStages<T>::step(T* x, double t, double h) noexcept {
   return StepStatus::ok;
 }
 
-/// From q̇ = H_p, ṗ = −H_q − p H_s and ṡ = p·H_p − H: P_q′ = P_s H_q and P_s′ = P_s H_s at p = −P_q/P_s.
+/// rates of the lift: with p = −P_q/P_s, the equations q̇ = H_p, ṗ = −H_q − p H_s and ṡ = p·H_p − H imply P_q′ = P_s
+/// H_q and P_s′ = P_s H_s.
 template <class T>
 template <class U>
 void SizedStages<T>::rates(const U* y, double t, U* rate, Lifted<U>& lifted) const {
@@ -150,7 +152,7 @@ StepStatus SizedStages<T>::stage(T* x, double t, double h) {
     work_.forces += static_cast<std::int64_t>(stages);
   };
   const auto residual = [&](const T* z, T* wrong) {
-    if (slow_ && !AskedByThread::goes_on()) {  // no solution is found from there
+    if (slow_ && !AskedByThread::goes_on()) {  // the solver fails on NaN
       std::fill_n(wrong, all, T(unknown));
       return;
     }
@@ -168,7 +170,7 @@ StepStatus SizedStages<T>::stage(T* x, double t, double h) {
       take_bend(wrong[i], wrong[width_ + i], wrong[2 * width_ + i], bent);
     }
   };
-  bool first = true;  // at the start of the step, later at the mean of its stages
+  bool first = true;  // the first matrix is that at the start of the step, later ones are at the mean of the stages
   const auto prepare_at = [&](const T* z) {
     for (std::size_t i = 0; i < row_; ++i) middle_[i] = plain_number(from_[i]);
     for (std::size_t i = 0; i < width_ && !first; ++i)
@@ -179,7 +181,7 @@ StepStatus SizedStages<T>::stage(T* x, double t, double h) {
     return prepare(middle_.data(), time, h);
   };
   const auto weight = [&](std::size_t a) { return weighs_[kind(a % width_)]; };
-  const double size = is_lifted() ? 4 : 2;  // of as many kinds, each weighed to 1
+  const double size = is_lifted() ? 4 : 2;  // the number of kinds, each with the weighted size 1
   if (const auto status = newton_->solve(z_.data(), size, weight, residual, prepare_at, work_);
       status != StepStatus::ok)
     return status;

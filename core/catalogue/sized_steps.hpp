@@ -1,7 +1,7 @@
-// Steps of equal length of scenes whose size is known when they run, by explicit schemes: the maps of
+// Steps of equal length of scenes whose size is known only at run time, by explicit schemes: the maps of
 // core/schemes/splitting.hpp, core/schemes/contact_leapfrog.hpp and core/schemes/runge_kutta.hpp, operation by
-// operation, on components that stand one after the other. A stepper is bound to a state by `begin`; nothing is
-// allocated once it has been made. T is the number that steps are taken in: dual numbers give their tangents.
+// operation, on components in one contiguous list. A stepper is bound to a state by `begin`, and allocates nothing
+// after it is made. T is the number type of the steps: dual numbers give their tangents.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace least {
 
-/// Kicks and drifts in the order of a scheme's sequence.
+/// SizedKickDrift takes kicks and drifts in the order of a scheme's sequence.
 template <class Scheme, class T = double>
 class SizedKickDrift {
  public:
@@ -51,8 +51,8 @@ class SizedKickDrift {
   }
   const Work& work() const { return work_; }
   double flips_from() const { return std::numeric_limits<double>::infinity(); }
-  /// E_d of a step of length h from a state, as those schemes have it: K of the drift, and V at its start, or the mean
-  /// of both ends.
+  /// E_d of a step of length h from a state as these schemes define it: K of the drift, plus V at its start (symplectic
+  /// Euler) or the mean of V at both ends (leapfrog).
   double step_energy(StateView from,
                      double h) requires(std::is_same_v<Scheme, Leapfrog> || std::is_same_v<Scheme, SymplecticEuler>) {
     constexpr bool both_ends = std::is_same_v<Scheme, Leapfrog>;
@@ -115,7 +115,7 @@ class SizedKickDrift {
     }
   }
 
-  /// Coordinates up to which a metric that is not diagonal is gone through whole.
+  /// The largest number of coordinates for which a metric that is not diagonal is stored as a dense matrix.
   static constexpr std::size_t most_dense = 16;
 
   const text::SizedScene* scene_;
@@ -123,11 +123,11 @@ class SizedKickDrift {
   const Sequence<double>* sequence_;
   std::vector<T> slope_;  ///< ∇V at the state's q
   std::vector<T> velocity_;
-  std::vector<double> inverse_masses_;  ///< of each coordinate, or the dense matrix row by row
+  std::vector<double> inverse_masses_;  ///< of each coordinate, or the dense matrix, row-major
   Work work_;
 };
 
-/// Of H = K + V + α(t)s, or with γs²/2 − R in its place.
+/// SizedContactLeapfrog is for H = K + V + α(t) s, or K + V + γs²/2 − R.
 template <class T = double>
 class SizedContactLeapfrog {
  public:
@@ -145,7 +145,7 @@ class SizedContactLeapfrog {
     look(x, t);
     if (!scene_->is_quadratic()) damping_ = scene_->damping_at(t);
   }
-  /// A step that fails leaves neither the state nor the stepper as they were.
+  /// If a step fails, the state and the stepper are undefined.
   StepStatus step(T* x, double t, double h) noexcept {
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i)
       if (!stage(x, weights_->gamma[i] * h, t + weights_->end[i] * h)) return StepStatus::singular;
@@ -278,7 +278,7 @@ class SizedLifted {
       : scene_(&scene), map_(scene.lift, scheme.composition, scheme.lift), slope_(scene.coordinates + 1) {}
 
   void begin(const T* x, double t) { map_.begin(x, t, slope_.data()); }
-  /// A step that fails leaves neither the state nor the stepper as they were.
+  /// If a step fails, the state and the stepper are undefined.
   StepStatus step(T* x, double t, double h) noexcept {
     const std::size_t n = scene_->coordinates;
     return map_.step({x, x + n, scene_->acting ? x + 2 * n : nullptr, slope_.data()}, t, h);

@@ -1,4 +1,4 @@
-// A scene as text of any size as what a run asks of a problem.
+// A scene as text of any size, in the form of a problem table.
 #pragma once
 
 #include <memory>
@@ -10,12 +10,13 @@
 
 namespace least {
 
-/// What is known of runs of such a scene whose states carry all components, or those alone that the motion needs.
+/// traits_of returns the traits of such a scene with states that carry all components, or only those that the motion
+/// needs.
 ProblemTraits traits_of(const text::SizedScene& scene, bool all = true);
 
 class SizedTable final : public ProblemTable {
  public:
-  /// `forward`: of a problem of the catalogue that goes backward.
+  /// `forward` is the table of a problem of the catalogue that goes backward, else null.
   SizedTable(std::shared_ptr<const text::SizedScene> scene, const ProblemTraits& known,
              std::shared_ptr<const ForwardTable> forward)
       : ProblemTable(known), scene_(std::move(scene)), forward_(std::move(forward)) {}

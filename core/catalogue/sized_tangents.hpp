@@ -1,5 +1,4 @@
-// Tangents of steps of equal length on components that stand one after the other, by a stepper that takes them in dual
-// numbers.
+// Tangents of steps of equal length on components in one contiguous list, by a stepper in dual numbers.
 #pragma once
 
 #include <algorithm>
@@ -14,17 +13,19 @@
 
 namespace least {
 
-/// Components up to which all directions are followed at once: what is made of their matrix takes its cube.
+/// The largest number of components for which all directions are followed at once: work with their matrix is cubic in
+/// it.
 inline constexpr std::size_t most_mapped = 256;
 
-/// The space of which tangents are.
+/// TangentSpace is the space that tangents belong to.
 struct TangentSpace {
-  std::size_t dof = 0;         ///< of a flow 0
-  std::size_t components = 0;  ///< of the full state: of q, p, and s where there is one
+  std::size_t dof = 0;         ///< degrees of freedom; 0 for a flow
+  std::size_t components = 0;  ///< components of the full state: q, p, and s if there is one
 };
 
-/// `stepper`: with begin(x, t) and step(x, t, h) on numbers with a slope; where its steps depend on where their run
-/// began, begin(x, t, start). States of a run may have fewer components than the space: the others are 0.
+/// tangents_by returns the tangents of steps of length `step` by `stepper`, which has begin(x, t) and step(x, t, h) in
+/// numbers with a slope, or begin(x, t, start) if its steps depend on the start of the run. States of a run may have
+/// fewer components than the space: the others are 0.
 template <class Stepper>
 StepTangents tangents_by(const Request& request, const TangentSpace& space, double step, Stepper stepper) {
   struct Walk {

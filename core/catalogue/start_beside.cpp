@@ -12,8 +12,8 @@
 namespace least {
 namespace {
 
-/// How far beside, relative to a coordinate, or where it is 0: what moves is moved by twelve digits; what rests would
-/// fall from there if it stands on top of something, so that it is moved by next to nothing.
+/// Distances from the start, relative to a coordinate, or absolute if it is 0. For a moving start one in the twelfth
+/// digit; a start at rest may be on top of something and would fall from there, so its distance is far smaller.
 constexpr double very_close = 1e-12, next_to_rest = 1e-60;
 
 /// Discards the rows of a run: its final state is what counts.
@@ -28,15 +28,15 @@ bool is_regular(const Scene& scene) {
   return !scene.mechanics->text()->objection_to_start(scene.parameters, scene.start, scene.initial);
 }
 
-/// At so many starts a scene is looked at: each look writes its formulas down anew, so that those of many bodies get
-/// few.
+/// looks_at returns the number of starts that may be tried: each one writes the formulas anew, so that scenes of many
+/// bodies get few.
 std::size_t looks_at(const Scene& scene) {
   constexpr std::size_t most_operations = 60'000;  // together: about a tenth of a second
   const auto operations = static_cast<std::size_t>(scene.mechanics->text()->form->tape.size());
   return std::max<std::size_t>(most_operations / (operations + 1), 2);
 }
 
-/// A short run with few errors; nothing where it fails.
+/// short_run returns an accurate short run; empty if it fails.
 std::optional<Solution> short_run(const Scene& scene, double end, std::int64_t most_steps) {
   const auto schemes = scene.mechanics->schemes();
   const auto scheme = std::ranges::find(schemes, "dormand_prince_5", &SchemeCard::id);
@@ -61,11 +61,11 @@ std::optional<Solution> short_run(const Scene& scene, double end, std::int64_t m
   return std::nullopt;
 }
 
-/// The largest difference of two states, relative to the largest component of either.
+/// apart returns the largest difference of two states, relative to the largest component of either.
 double apart(const std::vector<double>& x, const std::vector<double>& y) {
   double difference = 0, size = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (std::isnan(x[i]) && std::isnan(y[i])) continue;  // s, where the motion does not need it
+    if (std::isnan(x[i]) && std::isnan(y[i])) continue;  // s, if the motion does not need it
     if (!std::isfinite(x[i] - y[i])) return INFINITY;
     difference = std::max(difference, std::abs(x[i] - y[i]));
     size = std::max({size, std::abs(x[i]), std::abs(y[i])});
@@ -73,14 +73,14 @@ double apart(const std::vector<double>& x, const std::vector<double>& y) {
   return difference > 0 ? difference / size : 0;
 }
 
-/// The scene with these coordinates moved by so much.
+/// beside returns the scene with these coordinates moved by this relative distance.
 Scene beside(const Scene& scene, const std::vector<std::size_t>& coordinates, double share) {
   Scene other = scene;
   for (const std::size_t i : coordinates) other.initial[i] = moved(other.initial[i], share);
   return other;
 }
 
-/// Whether the motions from both sides of the start and from another distance are one.
+/// has_limit returns whether the motions from both sides of the start and from another distance are the same.
 bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, double share) {
   constexpr std::int64_t few_steps = 60, enough_steps = 2000;
   constexpr double same = 1e-8, visible = 1e-6;
@@ -89,12 +89,12 @@ bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, 
   const auto first = short_run(one, scene.start + scene.card().span, few_steps);
   if (!first) return false;
   if (share == next_to_rest) {
-    // The whole motion lasts as long as a rest: a distance of next to nothing has not become visible.
+    // The scene is at rest if the tiny distance does not become visible within the whole motion.
     for (std::size_t i = 0; i < scene.initial.size(); ++i)
       if (std::abs(first->final[i] - one.initial[i]) > 1e-30) return false;
     return is_regular(beside(scene, coordinates, -share));
   }
-  // Beside a pole steps are so short that nothing has happened yet by which two motions could be told apart.
+  // Next to a pole steps are so short that the motion may not yet have become long enough to tell two motions apart.
   if (first->stop.reason != ReturnCode::completed && apart(first->final, one.initial) < visible) return false;
   for (const double other : {-1.0, 3.0}) {
     const Scene elsewhere = beside(scene, coordinates, other * share);
@@ -110,7 +110,7 @@ bool has_limit(const Scene& scene, const std::vector<std::size_t>& coordinates, 
 
 std::optional<std::vector<double>> start_beside(const Scene& scene) {
   const std::size_t n = scene.mechanics->text()->form->coordinates;
-  std::vector<std::vector<std::size_t>> choices;  // one coordinate, or all where several poles meet
+  std::vector<std::vector<std::size_t>> choices;  // one coordinate, or all if several poles meet
   std::vector<std::size_t> all(n);
   std::iota(all.begin(), all.end(), std::size_t{0});
   const std::size_t alone = std::min(n, looks_at(scene) / 2);

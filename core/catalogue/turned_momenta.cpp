@@ -9,8 +9,9 @@
 namespace least {
 namespace {
 
-/// What choices between formulas go by, as far as that is a sum of momenta times numbers, once each but for a factor:
-/// row by row. Nothing where one reads momenta in another way.
+/// sums_of_momenta returns the conditions of choices between formulas as far as they are linear combinations of momenta
+/// with constant coefficients, each once up to a factor: one row of coefficients each. Empty if a condition depends on
+/// momenta in another way.
 std::optional<std::vector<std::vector<double>>> sums_of_momenta(const text::SizedScene& scene) {
   const std::size_t n = scene.coordinates;
   tape::Tape tape = scene.equations;
@@ -83,7 +84,7 @@ std::shared_ptr<const TurnedMomenta> TurnedMomenta::of(const text::SizedScene& s
     made->to.insert(made->to.end(), rows[i].begin(), rows[i].end());
     for (std::size_t j = 0; j < n; ++j) made->back[j * n + i] = rows[i][j] / (scene.inverse_mass()[j] * mass);
   }
-  // A jump has to be along the momentum that it goes by: looked at from both sides, anywhere.
+  // A jump has to be along the momentum with which it jumps: compare both sides at an arbitrary state.
   std::vector<double> y(n), state(2 * n), sides[2];
   for (std::size_t which = 0; which < found->size(); ++which) {
     for (std::vector<double>& side : sides) {

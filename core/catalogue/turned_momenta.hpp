@@ -1,5 +1,5 @@
-// Friction between bodies acts on differences of their velocities: what it jumps with is no momentum of one body, but
-// one of other momenta that have the same kinetic energy.
+// Friction between bodies acts on differences of their velocities: it jumps with none of their momenta, but with one of
+// other momenta in which the kinetic energy is diagonal as well.
 #pragma once
 
 #include <memory>
@@ -9,22 +9,22 @@
 
 namespace least {
 
-/// Momenta y = T p in which friction between bodies, as −c sign(vx − vy) on one and c sign(vx − vy) on the other, jumps
-/// with one of them alone: one for each such difference of velocities, and others that it does not change. K = Σ y²/2m
-/// in them.
+/// TurnedMomenta are momenta y = T p in which each friction between bodies jumps with one of them alone (such as the
+/// forces −c sign(vx − vy) on one body and c sign(vx − vy) on the other): one for each such difference of velocities,
+/// and others that do not change it. K = Σ y²/2m in them.
 struct TurnedMomenta {
-  std::vector<double> to, back;  ///< T and its inverse, row by row
+  std::vector<double> to, back;  ///< T and its inverse, n × n, row-major
   std::vector<double> inverse_mass;
-  std::vector<bool> jumping;  ///< of each whether its force jumps
+  std::vector<bool> jumping;  ///< for each, whether its force jumps
 
-  /// Null where forces jump with each momentum alone, and where they jump in another way: with differences that have a
-  /// body in common, or not against the velocity that they jump with.
+  /// Null if forces jump with each momentum of the scene alone, or in another way: with differences that share a body,
+  /// or not against the velocity with which they jump.
   static std::shared_ptr<const TurnedMomenta> of(const text::SizedScene& scene);
 };
-/// Whether kicks know what forces that jump hold at rest.
+/// knows_rest returns whether kicks can decide what jumping forces hold at rest.
 bool knows_rest(const text::SizedScene& scene);
 
-/// b = A a of a square matrix, row by row.
+/// Writes b = A a for a square matrix, row-major.
 void multiply(const std::vector<double>& matrix, const double* a, double* b);
 
 }  // namespace least

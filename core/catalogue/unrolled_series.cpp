@@ -5,7 +5,7 @@
 #include "core/tape/unrolled.hpp"
 #include "least_problems.hpp"
 
-// Registers of four numbers are asked for; what is computed does not depend on them.
+// These macros request registers of four numbers; results do not depend on them.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define LEAST_FOURS [[gnu::target("avx2")]]
 #define LEAST_HAS_FOURS __builtin_cpu_supports("avx2")
@@ -21,8 +21,8 @@
 namespace least::tape {
 namespace {
 
-/// Parameters for which series are unrolled: the defaults, where a zero leaves terms out and a whole exponent is
-/// products; or numbers like any other in the place of all.
+/// ParameterValues are parameters for which series are unrolled: the defaults, for which a zero removes terms and an
+/// integer exponent becomes products; or generic numbers in place of all.
 enum class ParameterValues { defaults, general };
 
 template <template <class> class P, ParameterValues values>
@@ -47,8 +47,8 @@ template <template <class> class P, ParameterValues values, bool full>
 constexpr Measured size_of_structure = measured(program_of<P, values, full>());
 template <template <class> class P, ParameterValues values, bool full>
 constexpr auto program_structure = shrunk<size_of_structure<P, values, full>>();
-/// Of the full state or of what moves, which are one where the motion needs all: the compiler takes a quarter of a
-/// second for each.
+/// structure is the program of the full state or of the components that move. If the motion needs all, both are one:
+/// the compiler takes a quarter of a second for each.
 template <template <class> class P, ParameterValues values, bool full>
 constexpr auto& structure =
     program_structure<P, values, full && !std::is_same_v<FullStateOf<P<double>>, StateOf<P<double>>>>;
@@ -62,7 +62,7 @@ LEAST_FOURS void begin(const Program& program, double* values) {
   Unrolled<S>::begin(program, values);
 }
 
-/// The same for programs of more sums than sixteen registers hold, where there are thirty-two.
+/// The same for programs with more sums than sixteen registers hold, on processors with thirty-two.
 template <const auto& S>
 LEAST_MORE_FOURS void expand_in_more(const Program& program, const Workspace& of) {
   Unrolled<S>::expand(program, of);
@@ -79,7 +79,7 @@ UnrolledSeries unrolled() {
 template <const auto& A, const auto& B>
 constexpr bool alike = std::ranges::equal(A.structure, B.structure);
 
-/// All that differ of a problem.
+/// all_of returns all different programs of a problem.
 template <template <class> class P>
 std::vector<UnrolledSeries> all_of() {
   constexpr auto &a = structure<P, ParameterValues::defaults, false>,
@@ -100,7 +100,7 @@ std::span<const UnrolledSeries> unrolled_series() {
   static const std::vector<UnrolledSeries> all = [] {
     std::vector<UnrolledSeries> made;
     if (!LEAST_HAS_FOURS) return made;
-#ifndef LEAST_READ_SERIES  // sanitized builds read them all: this is the same code, many times
+#ifndef LEAST_READ_SERIES  // sanitized builds interpret all series, since unrolled ones are the same code many times
 #define LEAST_SERIES(id, Class) \
   for (const UnrolledSeries& one : all_of<problems::Class>()) made.push_back(one);
     LEAST_FOR_EACH_PROBLEM(LEAST_SERIES)

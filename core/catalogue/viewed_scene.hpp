@@ -1,6 +1,6 @@
-// Scenes with a constant metric whose size is known when they run as problems and states of schemes that are written
-// for those of a type: vectors are views of numbers that stand elsewhere. A problem holds the vectors that it is asked
-// for, each until it is asked for the next one of its kind; a copy holds its own.
+// Scenes with a constant metric whose size is known only at run time, as problems and states for schemes that are
+// written for fixed types: vectors are views of numbers stored elsewhere. A problem owns the vectors that it returns;
+// each is valid until the next one of its kind is asked for, and a copy has its own.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,7 @@ T dot(const VectorView<T>& a, const VectorView<T>& b) {
   return sum;
 }
 
-/// q and p are views, time and s are its own.
+/// ViewedState has views for q and p, and owns time and s.
 template <class T, bool Acts>
 struct ViewedState {
   using Number = T;
@@ -43,12 +43,12 @@ struct ViewedState {
   [[no_unique_address]] std::conditional_t<Acts, Action<T>, NoAction> action{};
 };
 
-/// H = ½ pᵀg⁻¹p + V(q). T is what its vectors are made of.
+/// ViewedScene is H = ½ pᵀg⁻¹p + V(q); T is the number type of its vectors.
 template <class T>
 class ViewedScene {
  public:
   using Number = T;
-  static constexpr int dof = 0;  ///< none that is known here
+  static constexpr int dof = 0;  ///< not known at compile time
   static constexpr bool reads_time = false;
 
   explicit ViewedScene(const text::SizedScene& scene)
@@ -79,7 +79,7 @@ class ViewedScene {
 
  protected:
   const text::SizedScene* scene_;
-  mutable std::vector<T> velocity_, slope_;  ///< slope_: with room for V
+  mutable std::vector<T> velocity_, slope_;  ///< slope_ has room for V as well
 };
 template <class P, class T>
 requires std::derived_from<P, ViewedScene<T>> VectorView<T> velocity(const P& problem, const VectorView<T>&,
@@ -93,14 +93,14 @@ requires std::derived_from<P, ViewedScene<T>> PotentialAt<VectorView<T>> potenti
   return problem.potential_and_gradient(q, t);
 }
 
-/// H = ½ pᵀg⁻¹p + V(q, t) + α s
+/// ViewedDamped is H = ½ pᵀg⁻¹p + V(q, t) + α s.
 template <class T>
 struct ViewedDamped : ViewedScene<T> {
   static constexpr bool reads_time = true;
   using ViewedScene<T>::ViewedScene;
   double damping() const { return this->scene().damping_at(0); }
 };
-/// With α(t).
+/// ViewedTimedDamped is the same with α(t).
 template <class T>
 struct ViewedTimedDamped : ViewedScene<T> {
   static constexpr bool reads_time = true;
@@ -114,7 +114,7 @@ struct ViewedTimedDamped : ViewedScene<T> {
   }
 };
 
-/// V_t at q.
+/// potential_rate returns ∂V/∂t at q.
 template <class P, class T>
 requires std::derived_from<P, ViewedScene<T>> T potential_rate(const P& problem, const VectorView<T>& q, const T& t) {
   using D = Dual<T, 1>;

@@ -79,8 +79,8 @@ class EqualSteps : public Integrator {
     SignsSeen signs;
   };
 
-  /// reaches_pole returns whether −γ s h > 2 where H has γs²/2: a step by the exact flow reaches the pole of ṡ =
-  /// −γs²/2.
+  /// reaches_pole returns whether −γ s h > 2 where H has γs²/2: then a step by the exact flow of s reaches the pole of
+  /// ṡ = −γs²/2.
   bool reaches_pole(StateView x) const;
   /// damping_pole returns the first time after the start at which the damping is infinite with a change of sign, as 2/t
   /// at t = 0: no factor e^{−∫α} exists across it. It is searched once, at 256 points of the span; infinite where none

@@ -1,4 +1,4 @@
-// energy, momenta: how far a run departs from what its motion keeps; drift apart from oscillation.
+// energy, momenta: how far a run departs from what its motion conserves, with secular drift separate from oscillation.
 
 #include <algorithm>
 #include <array>
@@ -15,10 +15,11 @@
 namespace least {
 namespace {
 
-/// Least-squares slope of a quantity against time, which begins at 0: its secular drift, apart from its oscillation. Of
-/// straight lines between the values seen, so that each counts for as long as it lasts, whatever the steps.
+/// LinearTrend is the least-squares slope of a quantity against time, which starts at 0: its secular drift without its
+/// oscillation. It is fitted to the straight lines between the values seen, so that each counts for its duration,
+/// whatever the steps.
 struct LinearTrend {
-  double t = 0, y = 0, area = 0, moment = 0;  ///< the last value, ∫y dt and ∫ty dt up to it
+  double t = 0, y = 0, area = 0, moment = 0;  ///< last time and value; ∫y dt and ∫ty dt up to them
   void see(double time, double value) {
     const double step = time - t, sum = y + value;
     area += 0.5 * step * sum;
@@ -29,12 +30,12 @@ struct LinearTrend {
   double slope() const { return 12 * (moment / t - 0.5 * area) / (t * t); }
 };
 
-/// The largest value of a quantity that is seen at times that lie apart: between them it is that of the parabola
-/// through the last three values, where the middle one is the largest of these.
+/// Peak is the largest value of a quantity that is seen at separate times: between them that of the parabola through
+/// the last three values, if the middle one is the largest.
 struct Peak {
   double most = -std::numeric_limits<double>::infinity();
   void see(double time, double value) {
-    constexpr double far = 8;  // of such a longer stretch the shorter one says nothing
+    constexpr double far = 8;  // intervals that differ by more than this factor are not used together
     const double before = t_[1] - t_[0], after = time - t_[1], rise = y_[1] - y_[0], fall = y_[1] - value;
     most = std::max(most, value);
     if (rise >= 0 && fall >= 0 && before > 0 && after > 0 && before < far * after && after < far * before) {
@@ -50,18 +51,19 @@ struct Peak {
   std::array<double, 2> t_{unknown, unknown}, y_{};
 };
 
-/// States whose energies, or invariants, are computed at once.
+/// Number of states whose energies, or invariants, are computed at once.
 constexpr std::size_t at_once = 64;
 
-/// What is looked at of a forced scene is H − W, which its motion keeps where H does not depend on time.
-/// Where an energy begins at zero its errors are still small or large: against the largest kinetic energy of the run,
-/// or, of a flow, which has none, against the largest size of the energy itself. `relative_to` says against what.
-/// Steps of a clock of its own may be as long as the motion swings: there what the motion changes is looked for within
-/// them, too. An energy that it keeps is that of the ends of steps, whatever dense output makes of it between them.
+/// Energy follows the energy of a run; for a forced scene it follows H − W, which the motion conserves if H does not
+/// depend on time. If the energy starts at zero, its errors are relative to the largest kinetic energy of the run, or
+/// for a flow, which has none, to the largest size of the energy; `relative_to` tells which. Steps of a scheme with its
+/// own clock may be as long as an oscillation of the motion: an energy that the motion changes is then looked for
+/// within steps as well. A conserved energy is only that of the ends of steps, whatever dense output makes of it
+/// between them.
 class Energy final : public Diagnostic {
  public:
-  /// `long_steps`: they may be, and `smooth` where an error estimate of theirs says so; `changes`: what is looked at is
-  /// not kept by the motion.
+  /// `long_steps`: steps may be that long; `smooth`: they have an error estimate; `changes`: the motion does not
+  /// conserve the energy.
   Energy(bool long_steps, bool smooth, bool changes) : long_steps_(long_steps), smooth_(smooth), changes_(changes) {}
 
   void start(const ProblemTable& problem, StateView x) override {
@@ -83,8 +85,8 @@ class Energy final : public Diagnostic {
     ++steps_;
     looked_ = false;
   }
-  /// As long as steps are few. Where there are many, their ends meet what a motion comes back to, and so do parabolas
-  /// through them what changes little in a step: else each is looked into.
+  /// While steps are few. If there are many, their ends meet all phases of a periodic motion, and parabolas through
+  /// them find what changes little in a step: otherwise each step is looked into.
   bool looks() const override {
     constexpr std::int64_t few = 256;
     constexpr double much = 0.3;
@@ -141,7 +143,7 @@ class Energy final : public Diagnostic {
   struct EnergyRecord {
     DriftExtremes energy;
     LinearTrend trend;
-    double start_time = 0, largest = 0;  ///< largest: of the kinetic energy, or of the size of the energy itself
+    double start_time = 0, largest = 0;  ///< largest: the largest kinetic energy, or size of the energy
 
     void see(double t, const EnergyTerms& terms, bool kinetic, double work) {
       energy.see(terms.total - work);
@@ -150,10 +152,10 @@ class Energy final : public Diagnostic {
     }
   };
   struct EnergyPeaks {
-    Peak size, gain, loss;  ///< of what `largest` is of, and of the energy against the start
+    Peak size, gain, loss;  ///< of the quantity of `largest`, and of the energy relative to the start
   };
 
-  /// Of a step without a polynomial of its own.
+  /// Looks at states within a step without dense output, by a Hermite polynomial.
   void look_along(const ProblemTable& problem, StateView x) {
     constexpr int parts = 12;
     const HermitePath path(problem, before_, x);
@@ -164,7 +166,7 @@ class Energy final : public Diagnostic {
     before_.t = x.t;
     before_.numbers.assign(x.numbers, x.numbers + problem.traits.numbers);
   }
-  /// `counts`: as an energy, not only as what it is measured by.
+  /// `counts`: whether the state counts for the energy, or only for the size that errors are relative to.
   void take(const ProblemTable& problem, StateView x, bool counts) {
     const EnergyTerms terms = problem.energy_terms(x);
     const double work = work_of(problem.traits, x);
@@ -178,10 +180,10 @@ class Energy final : public Diagnostic {
   }
 
   bool long_steps_, smooth_, changes_;
-  bool looked_ = false;                      ///< into a step that is not seen yet
+  bool looked_ = false;                      ///< whether states within the next step have been looked at
   double at_step_ = 0, most_in_a_step_ = 0;  ///< the energy at the end of the last step, and the largest change in one
   std::int64_t steps_ = 0;
-  EnergyRecord seen_, seen_at_step_;  ///< now, and at the end of the last step
+  EnergyRecord seen_, seen_at_step_;  ///< at present, and at the end of the last step
   EnergyPeaks peaks_, peaks_at_step_;
   RunState before_;  ///< at the end of the last step
 };
@@ -212,7 +214,7 @@ class Momenta final : public Diagnostic {
   }
   Report report(const RunEnd& end) override {
     std::vector<Report> all;
-    const auto& names = end.scene.card().invariants;  // of a capacity it may use a part only
+    const auto& names = end.scene.card().invariants;  // fewer than the capacity of its class, possibly
     invariants_.resize(end.problem.traits.invariants);
     for (std::size_t i = 0; i < std::min(invariants_.size(), names.size()); ++i) {
       const DriftExtremes& one = invariants_[i];

@@ -1,8 +1,8 @@
-// decay: the law of decay of a contact Hamiltonian, Ḣ = −H H_s + H_t, along the states a scheme took. With A = ∫H_s dt
-// and G = ∫H_t eᴬ dt the exact motion keeps H eᴬ − G. So over a step from x to y, from which the exact flow leads from
-// x to z, H eᴬ − G changes by eᴬ (H(y) − H(z)): nothing has to be integrated but the motion itself, and that to
-// round-off. A constant damping without a drive is simpler still: G = 0 and A = αt. Source: Bravetti, Cruz, Tapias,
-// Ann. Phys. 376, 17 (2017), eq. 22.
+// decay: the law of decay of a contact Hamiltonian, Ḣ = −H H_s + H_t, along the states of a run. With A = ∫H_s dt and G
+// = ∫H_t eᴬ dt the exact motion conserves H eᴬ − G. So in a step from x to y, if the exact flow leads from x to z
+// instead, the conserved quantity H eᴬ − G changes by eᴬ (H(y) − H(z)): only the motion itself has to be integrated, to
+// round-off. With constant damping and without a drive, G = 0 and A = αt. Source: Bravetti, Cruz, Tapias, Ann. Phys.
+// 376, 17 (2017), eq. 22.
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ class Decay final : public Diagnostic {
 
   void see(const ProblemTable& problem, StateView x) override { see(problem, x, problem.energy_terms(x)); }
   void see(const ProblemTable& problem, const StateRows& states) override {
-    std::array<EnergyTerms, 64> terms;  // of states whose energies are computed at once
+    std::array<EnergyTerms, 64> terms;  // number of states whose energies are computed at once
     for (std::size_t from = 0; from < states.count; from += terms.size()) {
       const StateRows part = states.part(from, terms.size());
       problem.energy_terms(part, terms.data());
@@ -38,8 +38,8 @@ class Decay final : public Diagnostic {
     }
   }
 
-  /// max_residual: the largest change of H eᴬ − G; floor: what rounding alone makes of it. Both relative to |H| at the
-  /// start, absolute where H begins at zero.
+  /// max_residual: the largest change of H eᴬ − G; floor: the part of it that rounding explains. Both relative to |H|
+  /// at the start, absolute if H starts at zero.
   Report report(const RunEnd&) override {
     const double scale = std::abs(initial_) > 1e-9 * initial_terms_ ? std::abs(initial_) : 1;
     return numbers("decay", {{"max_residual", residual_ / scale}, {"floor", floor() / scale}});
@@ -48,7 +48,7 @@ class Decay final : public Diagnostic {
  private:
   void see(const ProblemTable& problem, StateView x, const EnergyTerms& terms) {
     if (std::isnan(residual_))
-      return;  // nothing more can be learnt, and where a flow is not followed it is dear to try
+      return;  // nothing can change that, and a flow that cannot be followed is expensive to try
     exponent_ += damping_between(problem, before_, x);
     const double grown = std::exp(exponent_);
     if (closed_) {
@@ -57,7 +57,7 @@ class Decay final : public Diagnostic {
       change_ += grown * (terms.total - backend_.energy_after(before_, x.t));
     }
     const double wrong = std::abs(change_);
-    if (!(wrong <= residual_)) residual_ = wrong;  // NaN comes in and stays
+    if (!(wrong <= residual_)) residual_ = wrong;  // NaN stays
     see_rounding(problem, x, terms, grown);
     keep(problem, x);
   }
@@ -65,7 +65,8 @@ class Decay final : public Diagnostic {
     before_.t = x.t;
     if (!closed_) before_.numbers.assign(x.numbers, x.numbers + problem.traits.numbers);
   }
-  /// ∫H_s dt: exact for a constant damping; else it only weighs what a step did wrong, and Simpson's rule will do.
+  /// ∫H_s dt: exact for constant damping; otherwise by Simpson's rule, which suffices, since it only weighs the errors
+  /// of steps.
   double damping_between(const ProblemTable& problem, StateView a, StateView b) const {
     const double h = b.t - a.t;
     if (problem.traits.constant_damping) return h * damping_;
@@ -74,9 +75,9 @@ class Decay final : public Diagnostic {
     return h / 6 * (problem.action_slope(a[action], a.t) + 4 * middle + problem.action_slope(b[action], b.t));
   }
 
-  /// Each step rounds its state by a unit of the terms of H, at worst always the same way (the weights of a composition
-  /// do: 1.5e-12 after 2,000 steps of order 10), and the law is read off to some units more. The sum of the terms.
-  /// `grown`: eᴬ.
+  /// Each step rounds its state by a unit of the terms of H, at worst always in the same direction (the weights of a
+  /// composition do: 1.5e-12 after 2,000 steps of order 10), and evaluating the law costs a few units more. Returns the
+  /// sum of the terms. `grown`: eᴬ.
   double see_rounding(const ProblemTable& problem, StateView x, const EnergyTerms& energy, double grown) {
     const double terms =
         energy.kinetic + std::abs(energy.potential) + std::abs(energy.action_slope * x[2 * problem.traits.dof]);
@@ -88,8 +89,8 @@ class Decay final : public Diagnostic {
   double floor() const { return of_steps_ + of_reading_; }
 
   const RunBackend& backend_;
-  bool closed_ = false;  ///< the law has a closed form
-  double damping_ = 0;   ///< where it is constant
+  bool closed_ = false;  ///< whether the law has a closed form
+  double damping_ = 0;   ///< α if it is constant
   double initial_ = 0, initial_terms_ = 0, exponent_ = 0, change_ = 0, residual_ = 0, of_steps_ = 0, of_reading_ = 0;
   RunState before_;
 };

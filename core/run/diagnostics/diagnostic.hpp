@@ -1,6 +1,6 @@
-// What a diagnostic is: a class that sees the states of a run and reports when the run is over, and a row of the table
-// in table.cpp that says its card, what it sees, and on which scenes it means something. The catalogue, the decoder and
-// the page follow.
+// A diagnostic is a class that sees the states of a run and reports when the run is over, with a row of the table in
+// table.cpp: its card, what it sees, and the scenes to which it applies. The catalogue, the decoder and the page follow
+// from that table.
 #pragma once
 
 #include <memory>
@@ -18,25 +18,25 @@
 
 namespace least {
 
-/// What a diagnostic sees of a run before its end.
+/// Sees says what a diagnostic sees of a run before its end.
 enum class Sees : std::uint8_t {
   nothing,
   every_step,
-  sections,  ///< the changes of sign of the scene's sections, located
-  states,    ///< some whole states along the run
+  sections,  ///< the located changes of sign of the scene's sections
+  states,    ///< some states along the run
 };
 
-/// What a run leaves to its diagnostics.
+/// RunEnd is what a run leaves to its diagnostics.
 struct RunEnd {
   const RunBackend& backend;
   const Scene& scene;
   const Request& request;
   const SchemeCard& scheme;
   const RunState& x;                    ///< the final state
-  const std::vector<RunState>& states;  ///< kept along the run, where a diagnostic sees states
-  const Events& events;                 ///< found along the run, where a diagnostic sees sections
+  const std::vector<RunState>& states;  ///< states kept along the run, if a diagnostic sees states
+  const Events& events;                 ///< events found along the run, if a diagnostic sees sections
   TimeLeft left;
-  std::vector<Warning>& warnings;  ///< what a report cannot say
+  std::vector<Warning>& warnings;  ///< to be extended by diagnostics
   const ProblemTable& problem = backend.table();
 };
 
@@ -45,17 +45,18 @@ class Diagnostic {
   virtual ~Diagnostic() = default;
 
   virtual void start(const ProblemTable&, StateView) {}
-  /// The state after a step; and those after some steps.
+  /// Sees the state after a step, or the states after several steps.
   virtual void see(const ProblemTable&, StateView) {}
   virtual void see(const ProblemTable& problem, const StateRows& states) {
     for (std::size_t i = 0; i < states.count; ++i) see(problem, states[i]);
   }
-  /// A state within a step, if it `looks` at those of the next one.
+  /// looks returns whether the diagnostic wants to look at states within the next step; look is called with each of
+  /// them.
   virtual bool looks() const { return false; }
   virtual void look(const ProblemTable&, StateView) {}
-  /// The run ends within the step whose inner states were looked at last: they are going to be looked at again.
+  /// The run ends within the step whose inner states were looked at last: their look calls are void, and come again.
   virtual void look_again() {}
-  /// Asked once, when the run is over.
+  /// Called once, when the run is over.
   virtual Report report(const RunEnd& end) = 0;
 };
 

@@ -1,4 +1,4 @@
-// How far a quantity departs from where it began.
+// How far a quantity departs from its start.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace least {
 
-/// Extremes of one quantity along a run; unknown until it starts.
+/// DriftExtremes are the start, end and largest change of one quantity along a run; unknown until it starts.
 struct DriftExtremes {
   double initial = unknown, final = unknown, most = unknown;
   void start(double x) {
@@ -17,7 +17,7 @@ struct DriftExtremes {
   void see(double x) {
     final = x;
     const double change = std::abs(x - initial);
-    if (!(change <= most)) most = change;  // NaN comes in and stays
+    if (!(change <= most)) most = change;  // NaN stays
   }
 };
 

@@ -24,9 +24,9 @@ void warn_of_missing_reference(std::vector<Warning>& warnings, double uncertaint
 
 namespace {
 
-/// Errors against the true motion: at the final state, and the largest along the run, looked for where the motion is
-/// fast and then around the largest found. Null, with a warning, where the truth could not be had, or is as uncertain
-/// as what it finds. It may take half of the time that is left.
+/// Errors against the true motion: at the final state, and the largest along the run, which is searched where the
+/// motion is fast and then around the largest found. Null, with a warning, if the true motion cannot be computed, or is
+/// as uncertain as the errors. It may take half of the time that is left.
 class Error final : public Diagnostic {
  public:
   void start(const ProblemTable& problem, StateView x) override { landmarks_.start(moving(problem, x)); }
@@ -44,7 +44,7 @@ class Error final : public Diagnostic {
     for (const auto& [x, speed] : marks)
       if (x.t < end.x.t) add(x, speed);
     LargestError found;
-    const bool known = !marks.empty();  // the run got as far as its start
+    const bool known = !marks.empty();  // whether the run got as far as its start
     bool told = false;
     if (known) {
       add(end.x, marks.back().speed);
@@ -70,9 +70,9 @@ class Error final : public Diagnostic {
   }
 
  private:
-  static constexpr std::int64_t few_steps = 20'000;  ///< which are soon made again
+  static constexpr std::int64_t few_steps = 20'000;  ///< runs with fewer steps are quickly repeated
 
-  /// What the motion reads of a state.
+  /// The components of a state that the motion needs.
   static RunState moving(const ProblemTable& problem, StateView x) {
     return {x.t, StateNumbers(x.numbers, x.numbers + problem.traits.moving)};
   }

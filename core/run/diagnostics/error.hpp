@@ -1,4 +1,4 @@
-// What a run says where its error cannot be told.
+// The warning of a run whose error is not known.
 #pragma once
 
 #include <string_view>
@@ -9,8 +9,8 @@
 
 namespace least {
 
-/// A run says once that its truth is missing, why if that is known (Truth::missing), or no truth for being as uncertain
-/// as the errors it finds.
+/// warn_of_missing_reference warns, once for a run, that the true motion is missing: for the reason given if it is
+/// known (Truth::missing), or since its uncertainty is as large as the errors.
 void warn_of_missing_reference(std::vector<Warning>& warnings, double uncertainty, std::string_view missing);
 
 }  // namespace least

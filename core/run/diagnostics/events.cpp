@@ -20,7 +20,7 @@ void Events::locate(const ProblemTable& problem, const RunState& left, const Run
     };
     const double ahead = root(value, 0, right.t - left.t);
     const RunState x = at(left.t + ahead);
-    if (std::isnan(between[i])) continue;  // the run was not to go on, and what it carries is not known there
+    if (std::isnan(between[i])) continue;  // the computation is to end, and the state there is not known
     add(i, is[i] > 0, x.t, x[0]);
   }
 }
@@ -54,7 +54,7 @@ bool Events::converged(double Cycle::*number) const {
   const double now = cycles_[last].*number, most = tolerance * std::abs(now);
   for (std::size_t i = last - third; i < last; ++i)
     if (!(std::abs(cycles_[i].*number - now) <= most)) return false;
-  // Where a geometric sequence through three of them ends (Aitken): slow growth looks like rest from cycle to cycle.
+  // The limit of a geometric sequence through three of them (Aitken): slow growth changes little from cycle to cycle.
   const double change = now - cycles_[last - third].*number;
   const double before = cycles_[last - third].*number - cycles_[last - 2 * third].*number;
   return change == 0 || std::abs(change * change / (before - change)) <= most;

@@ -1,4 +1,4 @@
-// What happens between steps: the zeros of a scene's sections, located within the step, and what follows from them.
+// Events between steps: the zeros of a scene's sections, located within the step, and quantities derived from them.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,29 @@
 
 namespace least {
 
-/// The crossings of a run. Sections by number: 0 a coordinate, 1 its velocity, 2 the denominator of a slope.
+/// Events collects the zeros of sections of a run. Sections by number: 0 a coordinate, 1 its velocity, 2 the
+/// denominator of a slope.
 class Events {
  public:
   /// Lists grow no longer than `most`.
   explicit Events(std::size_t most) : most_(most) {}
 
-  /// Every change of sign between the states `left` and `right` of a step; `at(t)` is the state in between.
+  /// locate adds every change of sign between the states `left` and `right` of a step; `at(t)` returns the state at a
+  /// time between them.
   void locate(const ProblemTable& problem, const RunState& left, const RunState& right,
               const std::function<RunState(double t)>& at);
-  /// The same at a point that is known by other means: the time, and the first component there.
+  /// Adds a zero that is known otherwise: its time, and the first component there.
   void add(std::size_t section, bool upwards, double t, double first);
   /// Whether a list of this length may grow.
   bool room(std::size_t length);
-  /// Something was left out.
+  /// Whether an event was left out for lack of room.
   bool full() const { return full_; }
 
   const std::vector<double>& zeros() const { return zeros_; }
   const std::vector<double>& poles() const { return poles_; }
-  /// Of the last whole cycle; null before there is one. `converged`: over the last third of the cycles neither their
-  /// period nor their amplitude changed by more than one part in a thousand, nor will they if they go on to converge as
-  /// they did over the last two thirds; null before there are three.
+  /// cycle reports the last whole cycle; null before there is one. `converged`: over the last third of the cycles
+  /// neither period nor amplitude changed by more than one part in a thousand, nor will they if they converge on as
+  /// they did over the last two thirds; null before there are three cycles.
   Report cycle() const;
 
  private:
@@ -38,16 +40,16 @@ class Events {
     double period, amplitude;
   };
   void note(std::vector<double>& list, double t);
-  /// Of one of the two numbers of a cycle.
+  /// converged returns that for the period or the amplitude.
   bool converged(double Cycle::*number) const;
 
   std::size_t most_;
   bool full_ = false;
-  Held held_ = HeldByThread::take(0);  ///< for the lists
+  Held held_ = HeldByThread::take(0);  ///< memory of the lists
   std::vector<double> zeros_, poles_;
   std::int64_t rises_ = 0;
   double last_rise_ = 0, amplitude_ = 0;
-  std::vector<Cycle> cycles_;  ///< the last ones
+  std::vector<Cycle> cycles_;  ///< the last cycles
 };
 
 }  // namespace least

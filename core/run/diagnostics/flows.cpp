@@ -1,4 +1,4 @@
-// entropy, moments: what a flow that is not mechanical may have.
+// entropy, moments: diagnostics of flows that are not mechanical.
 
 #include <cmath>
 #include <limits>
@@ -33,12 +33,12 @@ class Entropy final : public Diagnostic {
   bool monotone_ = true;
 };
 
-/// An average over time of several quantities, weighted by numbers that are known by their logarithm.
+/// TimeAverage is an average over time of several quantities, weighted by numbers that are given by their logarithm.
 class TimeAverage {
  public:
   void add(double time, double log_weight, const std::vector<double>& values) {
     sums_.resize(values.size());
-    // Weights relative to the largest yet, which cannot underflow together.
+    // Weights relative to the largest one so far, so that they do not all underflow.
     const double largest = std::max(log_weight, log_weight_);
     const double past = std::exp(log_weight_ - largest), w = time * std::exp(log_weight - largest);
     log_weight_ = largest;
@@ -53,8 +53,9 @@ class TimeAverage {
   double weight_ = 0, log_weight_ = -std::numeric_limits<double>::infinity();
 };
 
-/// Over time, whatever the steps: by Gauss' rule of three points over each step, between whose ends the states come
-/// from Hermite interpolation (order 6). Its weights are positive, so that no average leaves the range of its values.
+/// MomentAverages are averages over time, whatever the steps: by the Gauss rule of three points over each step, with
+/// states from Hermite interpolation (order 6). The weights of the rule are positive, so no average leaves the range of
+/// its values.
 class MomentAverages final : public Diagnostic {
  public:
   void start(const ProblemTable& problem, StateView x) override {
@@ -73,7 +74,7 @@ class MomentAverages final : public Diagnostic {
     }
     keep(problem, x);
   }
-  /// The target's averages, and beside them those over physical time.
+  /// The averages of the target density, and those over physical time.
   Report report(const RunEnd& end) override {
     std::vector<Report> all = named(end.problem, target_);
     all.push_back({"physical_time", named(end.problem, physical_)});

@@ -10,7 +10,7 @@
 namespace least {
 namespace {
 
-/// A stretch of time around a large error, and states of the run within it.
+/// Window is an interval of time around a large error, with states of the run in it.
 struct Window {
   double low, high;
   SeenState before;  ///< a true state no later than `low`
@@ -58,8 +58,9 @@ class PeakSearch {
     return error;
   }
 
-  /// Around the largest, its rivals elsewhere, and where the run was fastest: as far as the state moves by a few times
-  /// its own size, and no further than to the neighbours that were looked at.
+  /// The windows around the largest error, around similarly large ones elsewhere, and around the state where the run
+  /// was fastest: as wide as the state needs to move by a few times its own size, but not beyond the neighbouring
+  /// states that were compared.
   std::vector<Window> around_the_largest(const std::vector<double>& errors, const Truth& truth) const {
     constexpr std::size_t most = 3;
     constexpr double reach = 4, rival = 0.7;
@@ -77,7 +78,7 @@ class PeakSearch {
       if (windows.size() == most) break;
       if (errors[i] < rival * errors[order[0]] && i != fastest) continue;
       const std::size_t left = i > 0 ? i - 1 : 0, right = std::min(i + 1, seen_.size() - 1);
-      const double t = seen_[i].t, far = reach / seen_[i].speed;  // of a speed of 0 infinite
+      const double t = seen_[i].t, far = reach / seen_[i].speed;  // infinite for speed 0
       Window window{
           std::max(seen_[left].t, t - far), std::min(seen_[right].t, t + far), {seen_[left].t, truth.states[left]}};
       const bool known = std::ranges::any_of(
@@ -87,9 +88,9 @@ class PeakSearch {
     return windows;
   }
 
-  /// Where the true motion is fast between steps, and between the states that were seen: where there are few of them,
-  /// errors that swing are missed as often as met. Of schemes that set their steps also within every step, where these
-  /// are not many: what comes by dense output may be off by more than the ends of the step.
+  /// Adds states where the true motion is fast between steps, and between the states that were seen: if these are few,
+  /// oscillating errors are often missed. For schemes with their own clock it also adds states within every step, if
+  /// steps are not too many, since dense output may be less accurate than the ends of steps.
   void look_between(bool sparse, bool few) {
     const double end = seen_.back().t;
     std::vector<PaceMark> marks;
@@ -124,7 +125,8 @@ class PeakSearch {
     std::vector<SeenState> ends = run_again({Record::Mode::every, 1, {}}, seen_.back().t, most_steps);
     if (ends.empty() || ends.size() > most_steps) return times;
     if (ends.back().t < seen_.back().t) ends.push_back(seen_.back());
-    // Within the longest steps what is worst may be narrow, as their dense output is of one order here, another there.
+    // Within the longest steps the largest error may be narrow, since dense output has different orders of accuracy at
+    // different points.
     const std::size_t count = ends.size(), parts = count > 360 ? 2 : count > 150 ? 3 : count > 16 ? 450 / count : 128;
     for (std::size_t i = 1; i < ends.size(); ++i)
       for (std::size_t k = 1; k < parts; ++k)
@@ -132,7 +134,8 @@ class PeakSearch {
     return times;
   }
 
-  /// The run's states at these times, by its dense output: recording never changes a run. Fewer where time ran out.
+  /// run_again returns the states of the run at these times, by its dense output: recording never changes a run. Fewer
+  /// if time runs out.
   std::vector<SeenState> run_again(std::vector<double> times) const {
     if (times.empty()) return {};
     const double end = times.back();
@@ -177,7 +180,7 @@ class PeakSearch {
         if (window.low <= state.t && state.t <= window.high) window.states.push_back(state);
   }
 
-  /// Every fourth of its states, and then all around the worst of them.
+  /// Compares every fourth state of a window, then all around the worst of these.
   void refine(const Window& window) {
     constexpr std::size_t stride = 4;
     const std::size_t count = window.states.size();
@@ -196,7 +199,7 @@ class PeakSearch {
     double error;
     std::vector<double> truth;
   };
-  /// Those of the states by number, with the truth found from a true state before them.
+  /// compare returns the errors of the states with these indices; the truth is computed from a true state before them.
   std::vector<Compared> compare(const std::vector<SeenState>& states, const std::vector<std::size_t>& which,
                                 const SeenState& before) {
     if (which.empty()) return {};
@@ -218,7 +221,7 @@ class PeakSearch {
 
   const Request& request_;
   std::vector<SeenState> seen_;
-  std::vector<double> sizes_;  ///< what the relative norm divides by
+  std::vector<double> sizes_;  ///< divisors of the relative norm
   const TimeLeft& left_;
   LargestError found_;
 };

@@ -15,7 +15,7 @@
 namespace least {
 
 std::string_view verdict_of(double growth, double megno) {
-  constexpr double little = 0.5, linear = 1.5, exponential = 3, far = 4;  // far: a growth that no transient makes
+  constexpr double little = 0.5, linear = 1.5, exponential = 3, far = 4;  // far: more growth than any transient
   if (megno < -little) return "contracts: neighbours come together, as on the way to an attracting cycle or to rest";
   if (megno <= little) return "steady: neighbours stay together, as on an attracting cycle or in a linear oscillation";
   if (megno >= linear && megno <= exponential) return "regular: neighbours part in proportion to time";
@@ -25,16 +25,16 @@ std::string_view verdict_of(double growth, double megno) {
 
 namespace {
 
-/// A small difference u from the run is carried along it: by the derivative of the scheme's own step where that can be
-/// had, so that a regular map is called regular however coarse it is, else along the true motion from the start.
-/// Differences are those at equal time, also of schemes in a fictitious time and of those that change their course, and
-/// their length is that of TangentLength. `exponent`: the mean of (ln |u|)' over time, which tends to the largest
-/// Lyapunov exponent λ, in 1/time. `megno`: the mean over time of Y(t) = 2/t ∫ (ln |u|)' t' dt', with t from the start
-/// of the run, which tends to 2 on regular motion and grows as λt/2 on chaotic motion; `verdict` says what the two of
-/// them mean. `derivative`: of what, "scheme" or "motion", or "both" where some steps had to do without the first; a
-/// last step that was cut short is the motion's in either case. Exponent and MEGNO are null where the derivative cannot
-/// be followed. Sources: Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15, 9 (1980); Cincotta, Giordano, Simó,
-/// Physica D 182, 151 (2003), equations 8 and 10.
+/// Lyapunov carries a small difference u along the run: by the derivative of the scheme's own step if there is one, so
+/// that a regular map is reported as regular however coarse it is, otherwise along the true motion from the start.
+/// Differences are those at equal time, also for schemes in a fictitious time and for hybrids, and their length is that
+/// of TangentLength. `exponent`: the mean of (ln |u|)' over time, which tends to the largest Lyapunov exponent λ, in
+/// 1/time. `megno`: the mean over time of Y(t) = 2/t ∫ (ln |u|)' t' dt', with t from the start of the run, which tends
+/// to 2 on regular motion and grows as λt/2 on chaotic motion; `verdict` says what the two mean. `derivative`: that of
+/// the "scheme" or of the "motion", or "both" if the first failed for some steps; a last step that was cut short is
+/// always the motion's. Exponent and MEGNO are null if the derivative cannot be followed. Sources: Benettin, Galgani,
+/// Giorgilli, Strelcyn, Meccanica 15, 9 (1980); Cincotta, Giordano, Simó, Physica D 182, 151 (2003), equations 8 and
+/// 10.
 class Lyapunov final : public Diagnostic {
  public:
   Lyapunov(const RunBackend& backend, const Request& request, KeepGoing keep_going)
@@ -51,7 +51,7 @@ class Lyapunov final : public Diagnostic {
   void see(const ProblemTable&, StateView x) override {
     const RunState from = std::exchange(before_, moving_part(backend_, x));
     if (!followed_ || !(before_.t > from.t)) return;
-    if (!length_) return begin();  // along the regular solution from a singular start nothing is carried
+    if (!length_) return begin();  // along the regular solution from a singular start no difference is carried
     of_motion_ = of_motion_ || last_of_motion_;
     last_of_motion_ = !carry_by_scheme(from);
     of_scheme_ = of_scheme_ || !last_of_motion_;
@@ -75,8 +75,8 @@ class Lyapunov final : public Diagnostic {
   }
 
  private:
-  static constexpr double tolerance = 1e-13;  ///< of the true motion and of the difference alike
-  static constexpr int patience = 2000;       ///< in steps of the true motion within one of the run
+  static constexpr double tolerance = 1e-13;  ///< for the true motion and for the difference
+  static constexpr int patience = 2000;       ///< largest number of steps of the true motion within one step of the run
 
   void begin() {
     if (backend_.motion().starts_series(before_)) return;
@@ -85,7 +85,8 @@ class Lyapunov final : public Diagnostic {
     for (std::size_t i = 0; i < size_ && i < tangents_.level.size(); ++i) level_ += tangents_.level[i] * u_[i];
     begun_ = sampled_ = before_.t;
   }
-  /// False where the scheme has none, and where the run took its step in another way, as the last one.
+  /// carry_by_scheme returns false if the scheme has no tangents, or if the run took the step in another way, as its
+  /// last one.
   bool carry_by_scheme(const RunState& from) {
     if (!tangents_.along || !tangents_.along(from, course_, u_, late_, level_, step_)) return false;
     constexpr double grain = 1e-9;
@@ -93,7 +94,7 @@ class Lyapunov final : public Diagnostic {
     for (std::size_t i = 0; i < size_; ++i)
       same = same && std::abs(step_.to[i] - before_[i]) <= grain * std::max(1.0, std::abs(before_[i]));
     if (!same) return false;
-    if (on_path_ || !(step_.course == course_)) {  // the difference becomes another one
+    if (on_path_ || !(step_.course == course_)) {  // the difference has to be converted
       if (on_path_) leave_path(from.t);
       if (!(step_.course == course_)) compare_at_equal_time(from);
       if (!tangents_.along(from, course_, u_, late_, level_, step_)) return false;
@@ -119,7 +120,7 @@ class Lyapunov final : public Diagnostic {
     for (int step = 0; followed_ && path_->time() < before_.t && path_->reach() <= before_.t; ++step)
       followed_ = step < patience && keep_going_() && advance(before_.t);
   }
-  /// False where the derivatives of the motion take too many operations.
+  /// make_path returns false if the derivatives of the motion take too many operations.
   bool make_path(double size) try {
     path_.emplace(backend_, tolerance, size);
     return true;
@@ -134,7 +135,7 @@ class Lyapunov final : public Diagnostic {
       sample(x.t, base_ + std::log(size) + path_->exponent() * std::numbers::ln2);
     });
   }
-  /// The motion up to the time t, within its next step.
+  /// settle carries the difference along the motion to the time t, within its next step.
   void settle(double t) {
     while (followed_ && path_->time() < t) followed_ = keep_going_() && advance(t);
   }
@@ -147,9 +148,9 @@ class Lyapunov final : public Diagnostic {
     level_ *= factor;
     on_path_ = false;
   }
-  /// From x on, neighbours are compared after as many steps as if they were there at equal time. Where a run changes
-  /// its course, a neighbour that is late does so some steps earlier or later; counted as one that changes with it,
-  /// it would be late by more each time, and what separates them a difference of large numbers.
+  /// From x on, neighbours after equal numbers of steps are taken as if they were there at equal time. When a run
+  /// changes its method, a late neighbour does so some steps earlier or later; counted as one that changes in the same
+  /// step, its delay would grow each time, and the separation would become a difference of large numbers.
   void compare_at_equal_time(const RunState& x) {
     if (late_ == 0) return;
     StateNumbers rate(size_);
@@ -170,7 +171,7 @@ class Lyapunov final : public Diagnostic {
     }
     return (*length_)(x, separate.data());
   }
-  /// The logarithm of what the difference has grown by, at the time t, after all that were told of.
+  /// sample is given the logarithm of the total growth of the difference at the time t, later than all before.
   void sample(double t, double now_grown) {
     const double growth = now_grown - grown_, now = t - begun_, then = sampled_ - begun_;
     if (!(now > then)) return;
@@ -183,18 +184,18 @@ class Lyapunov final : public Diagnostic {
 
   const RunBackend& backend_;
   KeepGoing keep_going_;
-  std::size_t size_;  ///< of the components that the motion needs
+  std::size_t size_;  ///< number of components that the motion needs
   std::vector<std::size_t> kinds_;
   StepTangents tangents_;
-  ChangeOfStep step_;  ///< the last one
+  ChangeOfStep step_;  ///< the last step
   RunState before_;
-  /// Neighbours as a scheme compares them, after as many steps: what separates them, by how much time the other is
-  /// late, and by how much its energy level is higher. At equal time they are u − ẋ `late` apart.
+  /// Neighbours after equal numbers of steps, as a scheme compares them: their separation u, by how much time the other
+  /// is late, and by how much its energy level is higher. At equal time they are u − ẋ `late` apart.
   StateNumbers u_;
   double late_ = 0, level_ = 0;
-  ActiveMethod course_{};  ///< of a hybrid: how its last step was taken
+  ActiveMethod course_{};  ///< how a hybrid took its last step
   std::optional<TangentLength> length_;
-  /// The true motion where it carries the difference, which is in it but for the factor e^`base`.
+  /// The true motion while it carries the difference, which it holds without the factor e^`base`.
   std::optional<TangentPath> path_;
   double base_ = 0;
   bool on_path_ = false;
@@ -202,7 +203,7 @@ class Lyapunov final : public Diagnostic {
   double begun_ = unknown, sampled_ = 0, grown_ = 0, weighed_ = 0, averaged_ = 0;
   bool too_large_ = false;  ///< the derivatives of the motion take too many operations
   bool followed_ = true, of_scheme_ = false, of_motion_ = false;
-  bool last_of_motion_ = false;  ///< the last step, which is not told of before there is one more
+  bool last_of_motion_ = false;  ///< whether the last step was the motion's; it counts once there is another step
 };
 
 }  // namespace

@@ -1,11 +1,12 @@
-// lyapunov: how fast neighbours of the run part.
+// lyapunov: how fast neighbours of the run separate.
 #pragma once
 
 #include <string_view>
 
 namespace least {
 
-/// In words what the growth of differences means: `growth` is the logarithm of all of it.
+/// verdict_of returns in words what the growth of differences means; `growth` is ln of the total growth, `megno` the
+/// MEGNO.
 std::string_view verdict_of(double growth, double megno);
 
 }  // namespace least

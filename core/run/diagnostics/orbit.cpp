@@ -1,4 +1,4 @@
-// orbit: the revolutions of a two-body scene, how its apsis turns, its elements.
+// orbit: the revolutions of a two-body scene, the rotation of its apsis, its elements.
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 namespace least {
 namespace {
 
-/// Revolutions in the plane of the start, counted when the body passes the direction it started from. Angles are
-/// measured in the direction of motion, between two looks it turns by less than a revolution; `sense_` turns them
+/// Orbit counts revolutions in the plane of the start, when the body passes its initial direction. Angles are measured
+/// in the direction of motion, and the body turns by less than a revolution between two looks; `sense_` makes angles
 /// counter-clockwise in the plane. A straight line has no revolutions, a circle no apsis.
 template <int N>
 class Orbit final : public Diagnostic {
@@ -37,7 +37,7 @@ class Orbit final : public Diagnostic {
     before_ = at_step_ = {radius_, 0};
   }
 
-  /// A state within a step, which may be as long as several revolutions.
+  /// Looks at states within a step, which may be as long as several revolutions.
   bool looks() const override { return true; }
   void look(const ProblemTable&, StateView view) override {
     const Motion x(view);
@@ -58,7 +58,7 @@ class Orbit final : public Diagnostic {
       const double now = apsis(e);
       rotation_ += std::remainder(now - apsis_, 8 * std::atan(1.0));
       apsis_ = now;
-      // Where the osculating ellipse cuts the direction of the start.
+      // The distance at which the osculating ellipse meets the initial direction, minus that of the start.
       closure_ = std::abs(e.angular_momentum * e.angular_momentum / (mu_ + dot(e.lenz, e1_)) - radius_);
       revolutions_ += std::exchange(passages_, 0);
     }
@@ -66,7 +66,7 @@ class Orbit final : public Diagnostic {
 
   /// closure: distance by which the last whole revolution misses the start; apsidal_rotation: of the Laplace–Runge–Lenz
   /// vector, mean per revolution, counter-clockwise positive (about L in space); elements: osculating at the end. All
-  /// null where the centre does not attract.
+  /// are null if the centre does not attract.
   Report report(const RunEnd& end) override {
     const Motion x(end.x);
     const bool started = mu_ > 0, closed = started && revolutions_ > 0;
@@ -89,12 +89,13 @@ class Orbit final : public Diagnostic {
       std::copy_n(x.numbers + N, N, p.begin());
     }
   };
-  /// In the plane of the start: along its direction, and across it in the direction of motion.
+  /// Place is a position in the plane of the start: along the initial direction, and across it in the direction of
+  /// motion.
   struct Place {
     double along, across;
   };
-  /// Whether a step passed the direction of the start. One of less than a revolution ends at a smaller angle where it
-  /// did, and only there: at a close passage it may be the better half.
+  /// passed returns whether a step passed the initial direction. A step of less than a revolution that passed it ends
+  /// at a smaller angle, and only then: at a close passage a step may be more than half a revolution.
   static bool passed(const Place& before, const Place& now, double p_along, double p_across) {
     constexpr double rounding = 1e-9;
     const bool was_above = before.across >= 0, is_above = now.across >= 0;
@@ -112,9 +113,9 @@ class Orbit final : public Diagnostic {
   double apsis(const Elements& e) const { return std::atan2(dot(e.lenz, e2_), dot(e.lenz, e1_)); }
 
   Vec<N> e1_{}, e2_{};
-  Place before_{}, at_step_{};  ///< at the last look, at the end of the last step
+  Place before_{}, at_step_{};  ///< at the last look, and at the end of the last step
   double mu_ = 0, radius_ = 0, apsis_ = 0, rotation_ = 0, closure_ = 0, sense_ = 1;
-  std::int64_t revolutions_ = 0, passages_ = 0;  ///< passages_: of the step that is being made
+  std::int64_t revolutions_ = 0, passages_ = 0;  ///< passages_: within the current step
   bool defined_ = false, has_apsis_ = false;
 };
 

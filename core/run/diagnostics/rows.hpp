@@ -1,6 +1,6 @@
-// Every diagnostic by the function that makes it for a run, whose problem and request outlive it: the rows of the table
-// in table.cpp. What takes long between two states asks `keep_going`, which says no when the run has no time left or
-// nobody waits for it any more.
+// The functions that make each diagnostic for a run, whose problem and request have to outlive it: the rows of the
+// table in table.cpp. Long computations between two states ask `keep_going`, which returns false if the run has no time
+// left or nobody waits for it any more.
 #pragma once
 
 #include <memory>

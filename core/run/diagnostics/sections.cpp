@@ -1,4 +1,4 @@
-// zeros, cycle, poles: what is made of the places where a scene's sections change their sign.
+// zeros, cycle, poles: diagnostics made of the zeros of a scene's sections.
 
 #include "core/run/diagnostics/rows.hpp"
 

@@ -1,4 +1,4 @@
-// structure, volume: diagnostics made from whole states kept along the run, after it.
+// structure, volume: diagnostics made after a run from states kept along it.
 
 #include <cmath>
 #include <string>
@@ -9,8 +9,8 @@
 namespace least {
 namespace {
 
-/// Calls f with the maps of steps from no more than 32 of the states before the end, on the extended space where it is
-/// there that the scheme's steps are contact maps: with as many of them as there is time for.
+/// for_each_map calls f with the tangent maps of steps from at most 32 of the states before the end, as many as there
+/// is time for; on the extended space if the scheme's steps are contact maps there.
 template <class F>
 void for_each_map(const RunEnd& end, const KeepGoing& keep_going, F&& f) {
   const auto& states = end.states;
@@ -22,9 +22,9 @@ void for_each_map(const RunEnd& end, const KeepGoing& keep_going, F&& f) {
   }
 }
 
-/// The largest defect of the form that the exact motion keeps over single steps that the run took: MᵀJM − J, or, where
-/// the motion reads s, φ*η − λη with λ of the first of them as `factor`. Null where there is no such step. A scheme
-/// that keeps the form of a scene keeps that which the scene has.
+/// Structure reports the largest defect, over single steps of the run, of the form that the exact motion conserves:
+/// MᵀJM − J, or if the motion depends on s, φ*η − λη with λ of the first step as `factor`. Null if there is no such
+/// step. `kind` is the form that the scheme conserves on this scene.
 class Structure final : public Diagnostic {
  public:
   explicit Structure(KeepGoing keep_going) : keep_going_(std::move(keep_going)) {}
@@ -33,7 +33,7 @@ class Structure final : public Diagnostic {
     const bool acts = end.problem.reads_action();
     double most = unknown, factor = unknown;
     for_each_map(end, keep_going_, [&](const TangentMap& map) {
-      if (!acts) {  // if there is an s, it rests and takes no part
+      if (!acts) {  // if there is an s, it is constant and has no effect
         most = std::fmax(most, symplectic_defect(map));
         return;
       }
@@ -42,7 +42,7 @@ class Structure final : public Diagnostic {
       if (std::isnan(factor)) factor = lambda;
     });
     Report report = numbers("structure", {{"max_defect", most}, {"factor", factor}});
-    const std::string_view scheme = end.scheme.structure;  // the volume alone is no form
+    const std::string_view scheme = end.scheme.structure;  // a volume alone is not a form
     const std::string_view own = end.problem.traits.forced || scheme == "volume" ? "none" : scheme;
     const bool kept = own != "none", general = end.problem.traits.general;
     insert(report, 0, words("kind", kept && acts ? "contact" : kept && general ? "symplectic" : own));
@@ -53,10 +53,10 @@ class Structure final : public Diagnostic {
   KeepGoing keep_going_;
 };
 
-/// max_defect: of det DΦ = λⁿ⁺¹ (λⁿ⁺² on the extended space), which every contact map keeps. invariant_residual: of the
-/// volume H^−(n+1) η∧(dη)ⁿ, which the exact autonomous flow keeps where H is not zero, that is of λH₀ = H₁; falls with
-/// the order. Over single steps the run took. Where there is no such volume the residual is null, and `reason` says
-/// why.
+/// Volume reports defects over single steps of the run. max_defect: of det DΦ = λⁿ⁺¹ (λⁿ⁺² on the extended space),
+/// which every contact map conserves. invariant_residual: of the volume H^−(n+1) η∧(dη)ⁿ, which the exact autonomous
+/// flow conserves where H is not zero, that is of λH₀ = H₁; it falls with the order of the scheme. If there is no such
+/// volume the residual is null, and `reason` says why.
 class Volume final : public Diagnostic {
  public:
   explicit Volume(KeepGoing keep_going) : keep_going_(std::move(keep_going)) {}
@@ -80,7 +80,7 @@ class Volume final : public Diagnostic {
   }
 
  private:
-  /// The state at a state, or at a point of the extended space.
+  /// state_at returns the state of a point of the map's space, which may be the extended space.
   static RunState state_at(const TangentMap& map, const RunState& z) {
     if (!map.extended) return z;
     const std::size_t n = map.dof - 1;
@@ -97,7 +97,7 @@ class Volume final : public Diagnostic {
     const bool zero = !end.states.empty() && vanishes(end.problem, end.states.front());
     return zero ? "H is zero, and stays so: the volume is not defined there" : "";
   }
-  /// H is zero among its terms.
+  /// vanishes returns whether H is zero relative to its terms.
   static bool vanishes(const ProblemTable& problem, const RunState& x) {
     const EnergyTerms energy = problem.energy_terms(x);
     const double terms = energy.kinetic + std::abs(energy.potential) + std::abs(problem.offset()) +

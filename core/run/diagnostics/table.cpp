@@ -8,7 +8,8 @@
 namespace least {
 namespace {
 
-/// A diagnostic: its card, what it sees of a run, whether it means something on a scene, and how it is made.
+/// Row is a diagnostic: its card, what it sees of a run, the problems to which it applies, and the function that makes
+/// it.
 struct Row {
   DiagnosticCard info;
   Sees sees;
@@ -174,7 +175,7 @@ std::vector<Report> DiagnosticSet::reports(const RunEnd& end) {
   return all;
 }
 
-/// Whether something may have vanished since the last state that was looked at.
+/// Notes whether something may have vanished since the last state that was looked at.
 void DiagnosticSet::see_sign(StateView x, bool among_many) {
   if (watches_sections()) see_sections(x);
   if (!watch_) return;
@@ -189,7 +190,7 @@ void DiagnosticSet::see_sections(StateView x) {
     signs_.crossed = signs_.crossed || (now[i] < 0) != (signs_.sections[i] < 0);
   signs_.sections = now;
 }
-/// Of what the caller watches whether something may have vanished.
+/// Notes whether something that the caller watches may have vanished.
 void DiagnosticSet::note(bool passed) {
   signs_.crossed = signs_.crossed || passed;
   signs_.halted = signs_.halted || (passed && watch_->may_end());

@@ -1,4 +1,4 @@
-// Every diagnostic, one row each in table.cpp, and the set of them that a run was asked for.
+// The table of all diagnostics, with one row each in table.cpp, and the set of diagnostics of a run.
 #pragma once
 
 #include <array>
@@ -15,63 +15,66 @@ namespace least {
 
 class RunBackend;
 
-/// The cards of those that apply to a problem, in the order of the catalogue.
+/// diagnostic_cards returns the cards of the diagnostics that apply to a problem, in the order of the catalogue.
 std::vector<DiagnosticCard> diagnostic_cards(const ProblemTraits& traits);
 
-/// What is known of signs after the last state that was looked at. A value, so that a block of steps can be taken back.
+/// SignsSeen is what is known of signs up to the last state that was looked at. It can be copied, so that a block of
+/// steps can be undone.
 struct SignsSeen {
   Watch::Looks looks;
   SectionValues sections{};
   bool crossed = false, halted = false;
 };
 
-/// What was asked for; costs nothing where nothing was.
+/// DiagnosticSet holds the diagnostics of a request; without any it costs nothing.
 class DiagnosticSet {
  public:
-  /// Writes the state at a time within a step; false where it cannot.
+  /// Between writes the state at a time within a step; false if it cannot.
   using Between = std::function<bool(double t, RunState& x)>;
 
-  /// Those of the request. All outlive the set. `keep_going`: whether the run has time left.
+  /// Makes the diagnostics of the request. The arguments have to outlive the set. `keep_going`: whether the run has
+  /// time left.
   DiagnosticSet(const RunBackend& backend, const Request& request, const Watch& watch, const KeepGoing& keep_going);
 
   bool sees_steps() const { return sees(Sees::every_step) || watches(); }
   bool watches_sections() const { return sees(Sees::sections); }
-  /// Sections, or what the caller asked for.
+  /// Whether sections or expressions of the caller are watched.
   bool watches() const { return watches_; }
-  /// Whether states within a step are of interest, beside what the caller watches.
+  /// Whether states within a step are needed, other than for the expressions of the caller.
   bool looks_within() const { return watches_sections() || looks_; }
   bool keeps_states() const { return sees(Sees::states); }
 
-  /// A section, or what the caller watches, may have vanished since this was last cleared.
+  /// Whether a section, or an expression of the caller, may have vanished since this was last cleared.
   bool crossed() const { return signs_.crossed; }
   bool clear_crossed() { return std::exchange(signs_.crossed, false); }
 
   void start(StateView x);
-  /// The state after a step: its signs, and then the rest. Nothing but signs is seen of a state before which the run
-  /// may end: see `resume`.
+  /// Sees the state after a step: its signs, then all the rest. If the run may end before that state, only its signs
+  /// are seen: see `resume`.
   void see(StateView x);
-  /// The same of the state x, where what the caller watches is looked for within the step from `left`.
+  /// The same for the state x, with a search for zeros of the caller's expressions within the step from `left`.
   void see(const RunState& left, const RunState& x, int pieces, const Between& between);
-  /// Of the states after a block of steps the signs alone. Of many nobody asks in which of their steps something may
-  /// have vanished.
+  /// Sees only the signs of the states after a block of steps. For several states it does not matter in which of their
+  /// steps something may have vanished.
   void see_signs(const StateRows& rows);
-  /// And then the rest.
+  /// Sees the rest of these states.
   void take(const StateRows& rows);
   const SignsSeen& signs() const { return signs_; }
   void restore(const SignsSeen& signs) { signs_ = signs; }
 
-  /// A state within a step.
+  /// Looks at a state within a step.
   void look(StateView x);
-  /// Of the step in which the run ends: not all of what was looked at is part of it.
+  /// To be called if the run ends within the step whose inner states were looked at: some of them are not part of the
+  /// run.
   void look_again();
-  /// Where the last state was kept back, and the run goes on: that state.
+  /// If the last state was held back and the run goes on: sees that state.
   void resume(StateView x);
-  /// The state at which the run ends instead.
+  /// Sees the state at which the run ends instead.
   void end(StateView x);
-  /// The state from which the run goes on, wherever it has been before.
+  /// Sees the state from which a run restarts.
   void begin_anew(StateView x);
 
-  /// In the order of the request.
+  /// The reports, in the order of the request.
   std::vector<Report> reports(const RunEnd& end);
 
  private:
@@ -83,12 +86,12 @@ class DiagnosticSet {
 
   const ProblemTable& problem_;
   std::vector<std::unique_ptr<Diagnostic>> wanted_;
-  std::vector<Diagnostic*> seeing_;  ///< those that see every step
+  std::vector<Diagnostic*> seeing_;  ///< diagnostics that see every step
   std::array<bool, 4> sees_{};
-  const Watch* watch_;  ///< null: nothing of the caller's own
+  const Watch* watch_;  ///< null if the caller watches nothing
   bool watches_ = false, looks_ = false;
   SignsSeen signs_;
-  StateNumbers observed_;  ///< of the last state, by the caller's own
+  StateNumbers observed_;  ///< arguments of the caller's expressions at the last state
 };
 
 }  // namespace least

@@ -16,7 +16,7 @@ namespace {
 using interval::Enclosure;
 using interval::RateEnclosure;
 
-/// `observe_at` with both ends, which are known.
+/// with_ends returns observe_at with the known observations at both ends.
 Watch::ObserveAt with_ends(const double* left, double from, const double* right, double to,
                            const Watch::ObserveAt& observe_at, std::size_t count) {
   return [=, &observe_at](double t, double* observed) {
@@ -26,7 +26,8 @@ Watch::ObserveAt with_ends(const double* left, double from, const double* right,
   };
 }
 
-/// Between a and b, where values have different signs: where they change, or are no numbers.
+/// place_of_change returns a point between a and b, where values have different signs, at which the sign changes, or
+/// values are NaN.
 template <class F>
 double place_of_change(F&& value, double a, double b) {
   const bool negative = value(a) < 0;
@@ -107,7 +108,7 @@ Watch::Signs Watch::look_back(const Looks& looks, std::size_t back, std::size_t 
   std::array<const double*, Looks::together + 3> rows;  // NOLINT: written before it is read
   for (std::size_t ago = 0; ago < count + 3; ++ago) rows[ago] = &looks.observed[place(ago) * width];
   for (const std::size_t i : read_) {
-    // Twice the largest second difference, also of the step before, bounds what a step bends.
+    // Twice the largest second difference, including that of the step before, bounds the curvature within a step.
     double low = rows[0][i], high = low, change = low - rows[1][i], bend = 0;
     for (std::size_t ago = 1; ago < count + 2; ++ago) {
       const double before = rows[ago][i] - rows[ago + 1][i];
@@ -150,8 +151,8 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
   std::vector<double> middle(measures_.reads.size());
   if (acted_ == 0 || !(from < soon_ && soon_ < to) || !observe_at(soon_, middle.data()))
     return search(left, from, right, to, observe_at, pieces);
-  // A step may be so long that the way to the next zero is as nothing beside it: that of a ball before it bounces for
-  // the thousandth time, whose parabola a series follows to the end of the run.
+  // A step may be so long that the time to the next zero is negligible beside it: before a ball bounces for the
+  // thousandth time, its series follows the parabola to the end of the run.
   std::vector<Zero> zeros = search(left, from, middle.data(), soon_, observe_at, pieces);
   if (std::ranges::any_of(zeros, [&](const Zero& zero) { return ends(zero.which); })) return zeros;
   const std::vector<Zero> later = search(middle.data(), soon_, right, to, observe_at, pieces);
@@ -161,7 +162,7 @@ std::vector<Zero> Watch::locate(const double* left, double from, const double* r
 
 std::vector<Zero> Watch::search(const double* left, double from, const double* right, double to,
                                 const ObserveAt& observe_at, int pieces) {
-  // A run that has been unresolved so often is to end soon.
+  // A run with so many unresolved searches should end soon.
   constexpr int much = 1 << 13, little = 64;
   constexpr std::int64_t patience = 4;
   constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
@@ -185,7 +186,7 @@ std::vector<Zero> Watch::search(const double* left, double from, const double* r
       const ZeroSearch::Kind kind = next->kind;
       ++next;
       double after = value(b);
-      // Where round-off gives a value its sign the one after it counts.
+      // If round-off determines the sign of a value, the next value counts.
       for (; next != brackets.end() && next->from == b && std::abs(after) <= noise &&
              next->kind != ZeroSearch::Kind::edge;
            ++next) {
@@ -205,7 +206,8 @@ std::vector<Zero> Watch::search(const double* left, double from, const double* r
       const double t = kind == ZeroSearch::Kind::edge
                            ? place_of_change(value, a, b)
                            : a + root([&](double part) { return value(part < b - a ? a + part : b); }, 0, b - a);
-      // Towards a pole values grow, and interpolation between them may leave the step. A gap, as in q^2/q, is none.
+      // Towards a pole values grow, and interpolation between them may leave the step. A gap, as in q^2/q, is not a
+      // zero.
       constexpr double near = 1e-9;
       if ((acted_ >> i & 1) && t - start_ <= near * (to - from) + rounding * std::abs(start_)) continue;
       if (a <= t && t <= b && !(std::abs(value(t)) > std::max(std::abs(before), std::abs(after))))

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double round_off = std::numeric_limits<double>::epsilon();
 
-/// Through values at u = −1, −½, 0, ½, 1.
+/// polynomial returns the coefficients of the polynomial through values at u = −1, −½, 0, ½, 1.
 std::array<double, 5> polynomial(const std::array<double, 5>& f) {
   const double even = (f[4] + f[0]) / 2 - f[2], even_half = (f[3] + f[1]) / 2 - f[2];
   const double odd = (f[4] - f[0]) / 2, odd_half = (f[3] - f[1]) / 2;
@@ -22,7 +22,7 @@ std::array<double, 5> polynomial(const std::array<double, 5>& f) {
   return {f[2], odd - c3, even - c4, c3, c4};
 }
 
-/// The same polynomial in w, where u = middle + w/2.
+/// halved returns the same polynomial in w, where u = middle + w/2.
 std::array<double, 5> halved(std::array<double, 5> c, double middle) {
   for (std::size_t k = 0; k < 4; ++k)
     for (std::size_t i = 4; i-- > k;) c[i] += middle * c[i + 1];
@@ -59,7 +59,7 @@ ZeroSearch::Piece ZeroSearch::sampled(double from, double to, Bits open) {
     double largest = 0;
     for (const double x : curve.c) largest = std::max(largest, std::abs(x));
     curve.c = polynomial(curve.c);
-    // What is left out is less than the last terms by about the factor by which they fall.
+    // The truncation error is smaller than the last terms by about the factor by which they fall.
     const double left_out = std::abs(curve.c[3]) / 10 + std::abs(curve.c[4]) / 2;
     curve.round_off = 4 * round_off * largest + late * std::abs(curve.c[1]);
     curve.error = left_out + curve.round_off;
@@ -87,7 +87,8 @@ ZeroSearch::Piece ZeroSearch::half(const Piece& whole, bool second, Bits open, b
     for (Curve& curve : piece.curves) curve.c = halved(curve.c, second ? 0.5 : -0.5);
   if (!anew && !gains_by_states(piece)) return piece;
   Piece fresh = sampled(from, to, open);
-  // Of short pieces: where half the length does not leave out far less, that is round-off of the states themselves.
+  // On short pieces: if half the length does not reduce the truncation error much, it is round-off of the states
+  // themselves.
   if (whole.known && fresh.known && fresh.radius() < vague_)
     for (std::size_t i = 0; i < fresh.curves.size(); ++i) {
       Curve& curve = fresh.curves[i];
@@ -123,7 +124,7 @@ void ZeroSearch::enclose_middle(const Piece& piece) {
 void ZeroSearch::add(const Piece& piece, std::size_t which, Kind kind, double noise) {
   auto& all = brackets_[which];
   const bool same = !all.empty() && all.back().kind == kind && all.back().to == piece.from;
-  if (same && (kind == Kind::round_off || kind == Kind::edge)) {  // they are one
+  if (same && (kind == Kind::round_off || kind == Kind::edge)) {  // both are one bracket
     all.back().to = piece.to;
     all.back().noise = std::max(all.back().noise, noise);
   } else {
@@ -162,7 +163,7 @@ ZeroSearch::Bits ZeroSearch::examine(const Piece& piece) {
   return open;
 }
 
-/// A piece that cannot be divided any more.
+/// leave keeps a piece that cannot be divided any further.
 void ZeroSearch::leave(const Piece& piece, Bits open) {
   constexpr double small = 1e-3;
   for (std::size_t i = 0; i < measures_.size(); ++i) {
@@ -192,7 +193,7 @@ void ZeroSearch::search(const Piece& piece) {
 
 void ZeroSearch::find(double from, double to, int pieces) {
   vague_ = (to - from) * 0x1p-10;
-  // Four units in the last place of time, and no more divisions than a double has digits.
+  // Four units in the last place of time, and at most as many divisions as a double has digits.
   shortest_ = std::max((to - from) * 0x1p-48, 2 * round_off * std::max(std::abs(from), std::abs(to)));
   const Bits all = static_cast<Bits>((std::uint64_t{1} << measures_.size()) - 1);
   double last = from;
@@ -201,7 +202,7 @@ void ZeroSearch::find(double from, double to, int pieces) {
     search(sampled(last, next, all));
     last = next;
   }
-  // What is as short as time can tell lies where curves say, which round-off moves against the states themselves.
+  // Brackets as short as time resolves lie where the curves put them, off the states by round-off: they are widened.
   const double moved = 32 * shortest_;
   for (auto& found : brackets_)
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -209,7 +210,7 @@ void ZeroSearch::find(double from, double to, int pieces) {
       found[k].from = std::max(found[k].from - moved, k > 0 ? found[k - 1].to : from);
       found[k].to = std::min(found[k].to + moved, k + 1 < found.size() ? found[k + 1].from : to);
     }
-  // Beside an end of what is defined no bounds are good.
+  // Next to an end of the domain of an expression no bounds are good.
   constexpr double beside = 1000;
   for (const auto& [which, t] : wild_)
     if (std::ranges::none_of(brackets_[which], [&, time = t](const Bracket& edge) {

@@ -1,8 +1,8 @@
 // Symmetric compositions: a symmetric step of order 2 (or 4) taken with the weights γ₁h, …, γ_s h, γ_i = γ_{s+1−i}, is
-// a symmetric step of higher order. One place for the coefficients; 36 digits (Sofroniou–Spaletta: the 26 published),
-// so that quad precision loses nothing to them above 1e-25. Sources: Yoshida, Phys. Lett. A 150, 262 (1990); Suzuki,
-// Phys. Lett. A 146, 319 (1990); Suzuki & Umeno 1993; Kahan & Li, Math. Comp. 66, 1089 (1997); Sofroniou & Spaletta,
-// Optim. Methods Softw. 20, 597 (2005).
+// a symmetric step of higher order. The coefficients have 36 digits (Sofroniou–Spaletta: the 26 published), so that in
+// quad precision their errors stay below 1e-25. Sources: Yoshida, Phys. Lett. A 150, 262 (1990); Suzuki, Phys. Lett. A
+// 146, 319 (1990); Suzuki & Umeno 1993; Kahan & Li, Math. Comp. 66, 1089 (1997); Sofroniou & Spaletta, Optim. Methods
+// Softw. 20, 597 (2005).
 #pragma once
 
 #include <algorithm>
@@ -102,7 +102,7 @@ inline constexpr std::array<std::string_view, 9> names{"none",           "yoshid
 /// Order of the composed scheme when the base is of order 2.
 inline constexpr std::array<int, 9> orders{2, 4, 4, 6, 6, 8, 8, 8, 10};
 
-/// The first half of the palindrome, outermost first, the middle last.
+/// The first half of the symmetric list of weights: outermost first, the middle one last.
 inline constexpr std::string_view none[] = {"1"};
 inline constexpr std::string_view yoshida_4[] = {
     "1.35120719195965763404768780897146083",

@@ -1,5 +1,5 @@
-// Cards: what the descriptions of problems and schemes say about themselves. Decoder, catalogue, page and docs are made
-// from these and from nothing else.
+// Cards: the descriptions of problems and schemes. Decoder, catalogue, page and docs are made from these and from
+// nothing else.
 #pragma once
 
 #include <cstddef>
@@ -63,7 +63,7 @@ inline VariableCard angle(std::string name, std::string symbol, std::string doc,
   return {std::move(name), std::move(symbol), "rad", std::move(doc), value, false, anywhere, true};
 }
 
-/// A quantity of the problem's own.
+/// QuantityCard is a quantity that a problem defines.
 struct QuantityCard {
   std::string name, symbol, doc;
 };

@@ -160,7 +160,7 @@ constexpr X derivative(const P& m, const X& x) {
   return d;
 }
 
-/// x + h d, component by component; t is left to the caller.
+/// shifted returns x + h d; t is left to the caller.
 template <class X>
 constexpr X shifted(const X& x, const typename X::Time& h, const X& d) {
   X y = x;

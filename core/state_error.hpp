@@ -30,7 +30,7 @@ double state_error(const A& x, const B& truth, std::size_t size, std::span<const
       most = std::max(most, std::abs(truth[i]));
     else if (here > 0)
       here /= sizes[i];
-    if (!(here <= difference) && !std::isnan(difference)) difference = here;  // NaN comes in and stays
+    if (!(here <= difference) && !std::isnan(difference)) difference = here;  // NaN stays
   }
   return difference == 0 ? 0 : difference / most;
 }

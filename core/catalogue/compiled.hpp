@@ -291,7 +291,7 @@ class ProblemMechanics : public Mechanics {
   }
 
   ProblemCard card_;
-  std::vector<std::size_t> kinds_;  ///< of the variables
+  std::vector<std::size_t> kinds_;  ///< kinds of the variables (kinds_of)
   std::vector<Column> columns_;
 };
 

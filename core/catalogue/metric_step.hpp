@@ -32,7 +32,7 @@ class LagrangianLook {
   template <class Place, class Velocity>
   void look_lightly(Place&& place, Velocity&& velocity) {
     put(place, velocity);
-    scene_->lowered.evaluate(at_.data(), 0.0, &all_[n_]);  // L in the place of the last force
+    scene_->lowered.evaluate(at_.data(), 0.0, &all_[n_]);  // overwrites the last component of the force with L
     all_[0] = all_[n_];
   }
   const U& velocity(std::size_t i) const { return at_[n_ + i]; }

@@ -19,7 +19,7 @@ namespace least {
 template <class T = double>
 class SizedContactSplitting {
  public:
-  /// `components`: of the states, with s or without it.
+  /// `components` of the states, with or without s.
   SizedContactSplitting(const text::SizedScene& scene, const ContactSplitting& scheme, std::size_t components)
       : scene_(&scene),
         acts_(components == scene.components),
@@ -129,7 +129,7 @@ class SizedContactSplitting {
 template <class T = double>
 class SizedContactEuler {
  public:
-  /// `components`: of the states, with s or without it.
+  /// `components` of the states, with or without s.
   SizedContactEuler(const text::SizedScene& scene, const ContactSymplecticEuler&, std::size_t components)
       : scene_(&scene),
         acts_(components == scene.components),

@@ -52,8 +52,8 @@ EnergyLevel energy_of_start(const text::SizedScene& scene, const double* x) {
   return level;
 }
 
-/// E_d = ½ vᵀM v + V(y) with M v + (h/2) ∇V(y) = p₀ and y = q₀ + (h/2) v: with (M + (h²/4) V″(y)) w = p₀ its derivative
-/// by p₀ is w, that by q₀ ∇V − (h/2) V″ w.
+/// E_d = ½ vᵀM v + V(y) with M v + (h/2) ∇V(y) = p₀ and y = q₀ + (h/2) v. If w solves (M + (h²/4) V″(y)) w = p₀, then
+/// ∂E_d/∂p₀ = w and ∂E_d/∂q₀ = ∇V(y) − (h/2) V″(y) w.
 EnergyLevel energy_of_first_step(const text::SizedScene& scene, const double* x, double step) {
   if (!scene.has_constant_metric()) return energy_on_a_metric(scene, x, step);
   const std::size_t n = scene.coordinates;

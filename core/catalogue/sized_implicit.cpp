@@ -265,9 +265,9 @@ StepStatus SizedVariational<T>::midpoint(T* x, double t, double h) {
   return StepStatus::ok;
 }
 
-/// The stationary path of core/schemes/contact_galerkin_4.hpp, whose two equations are linear in u and w but for ∇V(b):
-/// with c_j the parts that the stages of the Runge–Kutta scheme have in what follows from them, λ = 1 − Σ c_j h α_j and
-/// F = −∇V,
+/// simpson: the stationary path of core/schemes/contact_galerkin_4.hpp, whose two equations are linear in u and w
+/// except for ∇V(b). With the weights c_j of the stages of the Runge–Kutta scheme in s₁, which include their effect on
+/// later stages, λ = 1 − Σ c_j h α_j and F = −∇V,
 ///   16 (c₁ + c₄) M u − (4c₁ + 12c₄) M w = −(c₂ + c₃) h F_b
 ///   (12c₁ + 4c₄) M u − (3c₁ − c₂ − c₃ + 3c₄) M w = λ p₀ + c₁ h F₀
 template <class T>

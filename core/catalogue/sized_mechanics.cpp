@@ -175,7 +175,7 @@ class SizedMechanics final : public Mechanics {
   std::shared_ptr<const ForwardTable> forward_;
   ProblemTraits traits_;
   ProblemCard card_;
-  std::vector<std::size_t> kinds_;  ///< of the variables
+  std::vector<std::size_t> kinds_;  ///< kinds of the variables (kinds_of)
   std::vector<Column> columns_;
   mutable std::mutex mutex_;
   mutable std::pair<std::string, Scales> last_scales_;  ///< by the key of the scene; a search needs them repeatedly

@@ -153,7 +153,7 @@ class SizedContactLeapfrog {
   }
   const Work& work() const { return work_; }
   double flips_from() const { return least::flips_from(composition_); }
-  /// E_d of a step of length h from a state: with s at either end where V is.
+  /// E_d of a step of length h from a state, with V and s at both ends.
   double step_energy(StateView from, double h) {
     const std::size_t n = slope_.size();
     if (!acts_) return unknown;
@@ -163,7 +163,7 @@ class SizedContactLeapfrog {
     for (std::size_t i = 0; i < static_cast<std::size_t>(weights_->stages); ++i) {
       const T before = potential_ + action_energy(x[2 * n]);
       if (!stage(x.data(), weights_->gamma[i] * h, from.t + weights_->end[i] * h)) return unknown;
-      T twice(0);  // of the momentum of the drift, and its velocity
+      T twice(0);  // p·v of the drift
       for (std::size_t k = 0; k < n; ++k) twice = twice + v_[k] * velocity_[k];
       sum += 0.5 * weights_->gamma[i] * plain_number(twice + before + potential_ + action_energy(x[2 * n]));
     }
@@ -176,7 +176,7 @@ class SizedContactLeapfrog {
     if (acts_) scene_->potential.evaluate(q, t, &potential_);
     ++work_.forces;
   }
-  /// What s adds to H at the present time.
+  /// The part of H that depends on s, with α at the present time.
   T action_energy(const T& s) const { return scene_->is_quadratic() ? scene_->action_energy(s, 0) : T(damping_ * s); }
   bool stage(T* x, double h, double end) {
     if (scene_->is_quadratic()) return quadratic_stage(x, h, end);
@@ -206,7 +206,7 @@ class SizedContactLeapfrog {
     for (std::size_t i = 0; i < n; ++i) p[i] = (v_[i] - (h * 0.5) * slope_[i]) / after;
     return true;
   }
-  /// Half a kick and the drift; the mean of K − V over the ends.
+  /// to_end takes half a kick and the drift; returns the mean of K − V over the ends.
   template <class Factor>
   T to_end(T* x, const Factor& before, double h, double end) {
     const std::size_t n = slope_.size();
@@ -222,7 +222,7 @@ class SizedContactLeapfrog {
   }
 
   const text::SizedScene* scene_;
-  bool acts_;                ///< states have s
+  bool acts_;                ///< states carry s
   Composition composition_;  ///< keeps the weights
   const Weights<double>* weights_;
   std::vector<T> slope_;  ///< ∇V at the state's q
@@ -232,7 +232,8 @@ class SizedContactLeapfrog {
   Work work_;
 };
 
-/// Stages whose increments depend on the one before alone, weighted at the end.
+/// SizedRungeKutta is for explicit tableaux in which each stage depends on the one before alone, with weights at the
+/// end.
 template <int Stages, class T = double>
 class SizedRungeKutta {
  public:
@@ -270,7 +271,7 @@ class SizedRungeKutta {
   Work work_;
 };
 
-/// Of a general Hamiltonian that has a lift.
+/// SizedLifted is for a general Hamiltonian that has a lift.
 template <class T = double>
 class SizedLifted {
  public:
@@ -360,9 +361,9 @@ class SizedSteps final : public EqualSteps {
     return limits;
   }
 
-  Stepper stepper_, left_stepper_;  ///< at the state, and where the last block, or step, began
+  Stepper stepper_, left_stepper_;  ///< at the state, and where the last block (or step) began
   mutable Stepper trial_;
-  bool has_domain_;  ///< the motion has one, which steps may leave
+  bool has_domain_;  ///< whether the motion has a domain that steps may leave
 };
 
 }  // namespace least

@@ -103,7 +103,7 @@ class Evidence {
   std::int64_t stride_, begun_;  ///< current stride; first stride, up to which steps 1, 2, 4, … are looked at
   std::int64_t seen_ = 0, early_ = 0;
   std::vector<RunState> states_;
-  Held held_ = HeldByThread::take(0);  ///< for the states
+  Held held_ = HeldByThread::take(0);  ///< memory of the states
   double level_ = 0, damping_ = 0;
   Energy found_;
 };

@@ -13,7 +13,7 @@ namespace least {
 /// discrete energy over that of the step before; unknown where there was none.
 struct SwitchJumps {
   double energy, discrete_energy;
-  std::span<const double> invariants;  ///< in the order of the card
+  std::span<const double> invariants;  ///< changes of the invariants, in the order of the card
 };
 
 /// method_switch returns {t, kind: switch | parameter, from, to, parameter, at}: at the time t and the place q, the

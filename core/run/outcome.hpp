@@ -1,4 +1,4 @@
-// What a run leaves behind, and where its samples go.
+// The result of a run, and the receiver of its samples.
 #pragma once
 
 #include <cstddef>

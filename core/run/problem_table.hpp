@@ -39,7 +39,7 @@ struct ProblemTraits {
   constexpr bool says_energy() const { return has_energy && (!contact || acting); }
 };
 
-/// W = ∫F·q̇ dt of the forces beside the mechanics since the start of the run; 0 where there are none.
+/// work_of returns W = ∫F·q̇ dt of forces beside the mechanics since the start of the run; 0 without forces.
 inline double work_of(const ProblemTraits& traits, StateView x) { return traits.forced ? x[traits.moving] : 0; }
 
 /// EnergyTerms are H, its parts K and V, and H_s; NaN where the problem has none, or the state does not carry the

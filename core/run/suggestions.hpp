@@ -1,11 +1,11 @@
-// What a request leaves out of a scheme's settings: the suggestions of the cards, brought to the units of the scene.
+// Defaults of a scheme's settings that a request leaves out: the suggestions of the cards, in the units of the scene.
 //
-// Cards suggest steps for their own default scene, in natural units; a preset for the scene that it is. A suggestion is
-// multiplied by how much longer (stronger, wider) the motion of the scene is than that one (core/run/scales.hpp). A
-// factor that is not far from 1 is left out, so that an ordinary change of a parameter or of the start changes no
-// default: one of time from 1/4 to 30, one of energy or length from 1/30 to 30. Scenes given as text have no default
-// scene: they are compared with motions of frequencies from 1 to 3 and of a mass and a width of about 1. What was
-// multiplied is rounded to three digits.
+// A card suggests steps for its own default scene, in natural units; a preset for its own scene. The suggestion is
+// multiplied by the ratio of the characteristic times (energies, lengths) of the two motions (core/run/scales.hpp).
+// Ratios near 1 are ignored, so that an ordinary change of a parameter or of the start changes no default: ratios of
+// time from 1/4 to 30, of energy or length from 1/30 to 30. Scenes given as text have no default scene: they are
+// compared with motions of frequencies from 1 to 3 and of a mass and a width of about 1. Products are rounded to three
+// digits.
 #pragma once
 
 #include <vector>

@@ -107,7 +107,7 @@ class Energy final : public Diagnostic {
   }
   void see(const ProblemTable& problem, const StateRows& states) override {
     std::array<EnergyTerms, at_once> terms;
-    EnergyRecord seen = seen_;  // which may stay in registers
+    EnergyRecord seen = seen_;  // a local copy, which may stay in registers
     const bool kinetic = problem.traits.potential;
     for (std::size_t from = 0; from < states.count; from += at_once) {
       const StateRows part = states.part(from, at_once);

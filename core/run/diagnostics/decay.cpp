@@ -1,8 +1,8 @@
-// decay: the law of decay of a contact Hamiltonian, Ḣ = −H H_s + H_t, along the states of a run. With A = ∫H_s dt and G
-// = ∫H_t eᴬ dt the exact motion conserves H eᴬ − G. So in a step from x to y, if the exact flow leads from x to z
-// instead, the conserved quantity H eᴬ − G changes by eᴬ (H(y) − H(z)): only the motion itself has to be integrated, to
-// round-off. With constant damping and without a drive, G = 0 and A = αt. Source: Bravetti, Cruz, Tapias, Ann. Phys.
-// 376, 17 (2017), eq. 22.
+// decay: the law of decay of a contact Hamiltonian, Ḣ = −H H_s + H_t, along the states of a run. With the integrals A =
+// ∫H_s dt and G = ∫H_t eᴬ dt the exact motion conserves H eᴬ − G. So in a step from x to y, if the exact flow leads
+// from x to z instead, the conserved quantity H eᴬ − G changes by eᴬ (H(y) − H(z)): only the motion itself has to be
+// integrated, to round-off. With constant damping and without a drive, G = 0 and A = αt. Source: Bravetti, Cruz,
+// Tapias, Ann. Phys. 376, 17 (2017), eq. 22.
 
 #include <algorithm>
 #include <array>

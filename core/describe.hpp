@@ -95,8 +95,8 @@ struct PresetCard {
   double span = 0;                                  ///< default length of a run; 0: the problem's own
 };
 
-/// Lifted says whether lifted_splitting takes a problem that is given as text, and if so, whether the part of its
-/// Hamiltonian that is linear in the momenta moves the coordinates by a flow known in closed form (`exactly`).
+/// Lifted says whether lifted_splitting takes a problem, a general Hamiltonian or equations; `exactly`: its lifted
+/// motion of the coordinates is linear, so that the flow of this part is known in closed form.
 enum class Lifted : std::uint8_t { no, yes, exactly };
 
 struct ProblemCard {

@@ -90,7 +90,8 @@ StepMap step_map(std::span<const double> settings, double z, double a) {
   }
 }
 
-/// step_setting returns the index of the setting `step`, the unit of z and a; beyond the last one if there is none.
+/// step_setting returns the index of the setting `step`, with which z and a scale; beyond the last one if there is
+/// none.
 template <class Scheme>
 constexpr std::size_t step_setting() {
   std::size_t i = 0;

@@ -13,14 +13,14 @@ using tape::Index;
 using tape::Node;
 using tape::Op;
 
-/// A polynomial of the second degree at most: coefficients by the numbers of two variables, the smaller first, −1 for
-/// none.
+/// Quadratic is a polynomial of degree two at most. Its coefficients are indexed by the numbers of two variables, the
+/// smaller first; no_variable (−1) stands for a factor 1.
 class Quadratic {
  public:
   using Key = std::pair<int, int>;
   static constexpr int no_variable = -1;
 
-  /// Of a node of no more than so many parts.
+  /// of(tape, i, left) reads node i; nothing where it is no such polynomial, or has more than `left` parts.
   static std::optional<Quadratic> of(const tape::Tape& tape, Index i, int& left) {
     if (--left < 0) return std::nullopt;
     const Node& node = tape[i];
@@ -60,7 +60,7 @@ class Quadratic {
     const auto found = all_.find({std::min(a, b), std::max(a, b)});
     return found == all_.end() ? 0 : found->second;
   }
-  /// Those with a coefficient that is not 0.
+  /// variables() returns the variables with a coefficient that is not 0.
   std::set<int> variables() const {
     std::set<int> found;
     for (const auto& [key, value] : all_)
@@ -71,14 +71,14 @@ class Quadratic {
 
  private:
   static std::optional<Quadratic> product(const Quadratic& a, const Quadratic& b) {
-    constexpr std::size_t most = 16;  // of variables, of a square of distances 6
+    constexpr std::size_t most = 16;  // terms of a factor; a squared distance in space has 6 variables
     if (a.all_.size() > most || b.all_.size() > most) return std::nullopt;
     Quadratic made;
     for (const auto& [x, u] : a.all_)
       for (const auto& [y, v] : b.all_) {
         std::array<int, 4> all{x.first, x.second, y.first, y.second};
         std::ranges::sort(all);
-        if (all[1] != no_variable) return std::nullopt;  // of a higher degree
+        if (all[1] != no_variable) return std::nullopt;  // degree three or four
         made.all_[{all[2], all[3]}] += u * v;
       }
     return made;
@@ -131,7 +131,8 @@ std::optional<Attraction> Attraction::of(const tape::Tape& tape, const Monomial&
   constexpr int none = Quadratic::no_variable;
   const int first = *variables.begin();
   const double scale = u->at(first, first), small = 1e-13;
-  constexpr double round_off = 8 * std::numeric_limits<double>::epsilon();  // more is a softened attraction
+  // a larger constant is a softened attraction
+  constexpr double round_off = 8 * std::numeric_limits<double>::epsilon();
   if (!(scale > 0)) return std::nullopt;
   const auto is = [&](double x, double y) { return std::abs(x - y) <= small * scale; };
   Attraction made;

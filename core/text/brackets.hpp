@@ -15,7 +15,7 @@ constexpr std::size_t after_space(std::string_view text, std::size_t at, std::si
   return at;
 }
 
-/// The place of the bracket that closes the one at `open`, or `to`.
+/// closing(text, open, to) returns the position of the bracket that closes the one at `open`, or `to` if there is none.
 constexpr std::size_t closing(std::string_view text, std::size_t open, std::size_t to) {
   std::size_t depth = 0;
   for (std::size_t at = open; at < to; ++at) {
@@ -25,7 +25,7 @@ constexpr std::size_t closing(std::string_view text, std::size_t open, std::size
   return to;
 }
 
-/// The place of the next comma outside of brackets, or `to`.
+/// comma(text, at, to) returns the position of the next comma outside of brackets, or `to` if there is none.
 constexpr std::size_t comma(std::string_view text, std::size_t at, std::size_t to) {
   for (std::size_t depth = 0; at < to; ++at) {
     if (text[at] == '(' || text[at] == '[') ++depth;
@@ -35,14 +35,15 @@ constexpr std::size_t comma(std::string_view text, std::size_t at, std::size_t t
   return at;
 }
 
-/// Behind the number that begins at `from`, with its exponent; one character at least.
+/// end_of_number(text, from, to) returns the position behind the number that begins at `from`, its exponent included;
+/// it is at least from + 1, so that a reader always advances.
 inline std::size_t end_of_number(std::string_view text, std::size_t from, std::size_t to) {
   double value = 0;
   const auto read = std::from_chars(text.data() + from, text.data() + to, value);
   return std::max(from + 1, static_cast<std::size_t>(read.ptr - text.data()));
 }
 
-/// Whether a range of an index, `i=1..n`, stands before the next comma.
+/// is_range tells whether an index range such as `i=1..n` stands between `from` and the next comma.
 inline bool is_range(std::string_view text, std::size_t from, std::size_t to) {
   const std::size_t end = comma(text, from, to), equals = text.find('=', from);
   if (end == to || equals >= end || text[equals + 1] == '=') return false;

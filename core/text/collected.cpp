@@ -18,23 +18,24 @@ using tape::Index;
 using tape::Node;
 using tape::Op;
 
-/// A power of a node that is no product and no sum, or of a sum as a whole.
+/// PowerOf is a power of a node that is neither product nor sum, or of a sum as a whole.
 struct PowerOf {
   Index of;
   double power;
 };
 struct Summand {
   double coefficient = 1;
-  std::vector<PowerOf> factors;  ///< by the places of their nodes, none of them twice
+  std::vector<PowerOf> factors;  ///< by node, each node once
 
   bool is_like(const Summand& other) const {
     return std::ranges::equal(factors, other.factors,
                               [](const PowerOf& a, const PowerOf& b) { return a.of == b.of && a.power == b.power; });
   }
 };
-using Summands = std::vector<Summand>;  ///< in the order in which they first appeared
+using Summands = std::vector<Summand>;  ///< in the order in which the terms first appeared
 
-/// Beyond these, in terms of one sum and in products of terms of all, a sum stays a factor.
+/// Limits: a sum of more than most_terms terms stays a factor; most_products bounds the products of terms that are
+/// multiplied out in all.
 constexpr std::size_t most_terms = 24, most_products = 2000, longest_text = 2000;
 
 std::string digits_of(double x) {
@@ -44,14 +45,14 @@ std::string digits_of(double x) {
 
 class Collector {
  public:
-  /// `expands`: products of sums are multiplied out; else a sum within a product is a factor of its own.
+  /// `expands`: products of sums are multiplied out; otherwise a sum within a product stays one factor.
   Collector(const tape::Tape& tape, const Symbol& whole, const std::function<std::string(int)>& name, bool expands)
       : tape_(tape), whole_(whole), name_(name), expands_(expands), places_(tape::parts_of(tape, whole.place())) {
     terms_.reserve(places_.size());
     for (const Index place : places_) terms_.push_back(collect(place));
   }
 
-  /// Nothing where it is too long.
+  /// text() returns the text; nothing where it is too long.
   std::optional<std::string> text() {
     std::string all = text_of(terms_.back());
     return too_long_ ? std::nullopt : std::optional(std::move(all));
@@ -102,7 +103,8 @@ class Collector {
     }
     const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::abs(like->coefficient);
     like->coefficient += sign * term.coefficient;
-    if (std::abs(like->coefficient) <= rounding) all.erase(like);  // thirds of cubes, say, cancel but for that
+    // terms such as thirds of cubes cancel but for rounding
+    if (std::abs(like->coefficient) <= rounding) all.erase(like);
   }
   Summands product(Index place, const Summands& a, const Summands& b) {
     products_ += a.size() * b.size();
@@ -125,7 +127,7 @@ class Collector {
     }
     return made;
   }
-  /// Of one term with a whole power all its factors take it; anything else is raised as a whole.
+  /// to_the returns a power: a single term with a whole exponent is raised factor by factor, anything else as a whole.
   Summands to_the(Index base, double power) {
     const Summands& of = at(base);
     if (of.size() != 1) return as_factor(base, power);
@@ -148,7 +150,7 @@ class Collector {
     }
     return text;
   }
-  /// Without its sign: `2*x^3*sin(y)/(a*r^3)`.
+  /// text_of returns a term without its sign: `2*x^3*sin(y)/(a*r^3)`.
   std::string text_of(const Summand& term) {
     auto [above, below] = fraction_of(std::abs(term.coefficient));
     std::size_t divisors = below.empty() ? 0 : 1;
@@ -162,7 +164,7 @@ class Collector {
     if (below.empty()) return above;
     return above.append("/").append(divisors > 1 ? "(" + below + ")" : below);
   }
-  /// Parameters, which have the largest numbers, first; functions and sums last.
+  /// in_order puts parameters first, as they have the largest variable numbers, and functions and sums last.
   std::vector<PowerOf> in_order(const Summand& term) const {
     const auto number = [&](const PowerOf& factor) {
       return tape_[factor.of].op == Op::variable ? -tape_[factor.of].value : 0.5;
@@ -171,7 +173,7 @@ class Collector {
     std::ranges::stable_sort(factors, {}, number);
     return factors;
   }
-  /// A coefficient above and below the stroke, nothing for 1: ⅓ has many digits as a decimal fraction, ½ has few.
+  /// fraction_of returns a coefficient as numerator and denominator, "" for 1: ⅓ has many decimal digits, ½ has few.
   static std::pair<std::string, std::string> fraction_of(double x) {
     constexpr int largest = 64;
     constexpr std::size_t short_enough = 6;
@@ -201,7 +203,7 @@ class Collector {
     return terms.size() == 1 && terms[0].coefficient == 1 && terms[0].factors.size() == 1 &&
            terms[0].factors[0].of == place && terms[0].factors[0].power == 1;
   }
-  /// A function of what is collected; what is a sum or a product as its terms.
+  /// text_of_node prints a node that is no product or sum; its arguments are printed as collected terms.
   std::string text_of_node(Index place) {
     const Node& node = tape_[place];
     if (++depth_ > most_nesting || too_long_) {
@@ -215,7 +217,7 @@ class Collector {
       if (plain.size() < text.size() && plain != "…") text = std::move(plain);
     } else if (const auto function = function_name(node.op)) {
       text.append(*function).append("(").append(text_of(at(node.a))).append(")");
-    } else {  // a choice, a power of two that vary, or a sum of too many terms
+    } else {  // a select, a power with a varying exponent, or a sum of too many terms
       text = print(tape_, Recorder::at(whole_, place), name_);
     }
     --depth_;

@@ -59,7 +59,7 @@ std::string Definition::key() const {
   for (const auto* text : {&damping, &action_curvature, &offset}) append(*text ? "=" + **text : "");
   append_all(equations);
   append_all(invariants);
-  if (sums) {  // texts have no more than the first terms of these, but follow from what was typed
+  if (sums) {  // the texts have only the first terms of kept sums, but the typed text determines the others
     append(typed->scene.formula);
     append_all(typed->scene.equations);
     append_all(typed->definitions);

@@ -12,10 +12,10 @@
 
 namespace least::text {
 
-/// Degrees of freedom of mechanics, variables of equations, parameters: at most so many.
+/// Upper limits of a scene: degrees of freedom of mechanics, variables of equations, parameters and invariants.
 inline constexpr int most_coordinates = 1024, most_variables = 2048, most_parameters = 1024, most_invariants = 8;
-/// Degrees of freedom, or variables, for which lanes have room, and derivatives of implicit steps by what a scheme
-/// makes of parameters and starts.
+/// Most degrees of freedom, or variables of a flow, for which the lanes of an ensemble (core/ensemble) and the
+/// dual-number classes of core/variations have room.
 inline constexpr int compiled_coordinates = 8, compiled_variables = 16;
 inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 
@@ -23,7 +23,8 @@ struct TypedScene;
 struct Vocabulary;
 struct KeptSums;
 
-/// A scene in which every coordinate, every parameter and every term has a name of its own.
+/// Definition is a scene in which every coordinate, every parameter and every term has a name of its own: lists and
+/// sums are written out (core/text/written_out.hpp).
 struct Definition {
   enum class Kind : std::uint8_t { lagrangian, hamiltonian, potential, equations };
   static constexpr std::array<std::string_view, 4> kind_names{"lagrangian", "hamiltonian", "potential", "equations"};
@@ -32,44 +33,47 @@ struct Definition {
   Kind kind = Kind::lagrangian;
   std::string title{};
   std::vector<std::string> variables{};
-  std::vector<std::pair<std::string, double>> parameters{};  ///< with the values that stand in the definition
+  std::vector<std::pair<std::string, double>> parameters{};  ///< with their default values
   std::string formula{};                                     ///< L, H or V
-  Named masses{};                                            ///< of coordinates; 1 where none is given
+  Named masses{};                                            ///< by coordinate; 1 where none is given
   std::optional<std::string> damping{}, action_curvature{}, offset{};
-  Named equations{};      ///< ẋ of every variable
-  Named invariants{};     ///< what the motion keeps, as its author says
-  bool backward = false;  ///< t, velocities, momenta and s of its texts are −t, … of what moves forward
-  // Beside L, H or V: the generalised force on a coordinate, of q, t and v, or p where H is given; and Rayleigh's D of
-  // q, v, t, which adds −∂D/∂v.
+  Named equations{};   ///< ẋ of every variable
+  Named invariants{};  ///< quantities that the author declares to be conserved
+  /// the texts describe the time reversal of a scene: their t, velocities, momenta and s have the opposite sign of the
+  /// forward ones
+  bool backward = false;
+  // Beside L, H or V: the generalised force on each coordinate, a function of q, t and v (of p where H is given); and
+  // Rayleigh's dissipation function D(q, v, t), which adds the force −∂D/∂v.
   Named forces{};
   std::optional<std::string> dissipation{};
 
-  // Of a scene that was written out (core/text/written_out.hpp): what its author typed, and the words of further texts.
+  // Only of a scene that was written out (core/text/written_out.hpp): what its author typed, and the vocabulary in
+  // which further texts (columns, events) are read.
   std::shared_ptr<const TypedScene> typed{};
   std::shared_ptr<const Vocabulary> vocabulary{};
-  std::shared_ptr<const KeptSums> sums{};  ///< that its texts speak of by their numbers; none: there are none
+  std::shared_ptr<const KeptSums> sums{};  ///< the sums that the texts refer to by number; null where there are none
 
   bool is_forced() const { return !forces.empty() || dissipation; }
-  /// Of all of its texts.
+  /// characters() returns the total length of all texts.
   std::size_t characters() const;
-  /// The same for definitions of the same content and for no others.
+  /// key() returns equal strings for definitions of equal content, and only for these.
   std::string key() const;
 };
 
-/// Keys of a scene as text, which no parameter can be called.
+/// reserved_keys() returns the keys of a scene's JSON object, which no parameter may be named.
 std::span<const std::string_view> reserved_keys();
 
-/// Columns of every scene, which no variable and no invariant can be called.
+/// column_names() returns the columns that every scene has, which no variable and no invariant may be named.
 std::span<const std::string_view> column_names();
 
-/// The velocity and the momentum of a coordinate: of x they are vx and px, of q1 v1 and p1.
+/// Names of the velocity and of the momentum of a coordinate: vx and px for x, v1 and p1 for q1.
 std::string velocity_name(std::string_view coordinate);
 std::string momentum_name(std::string_view coordinate);
 
 struct DefinitionFault {
-  std::string pointer;  ///< within the definition, as `/lagrangian` or `/equations/x`
+  std::string pointer;  ///< JSON pointer within the definition, such as `/lagrangian` or `/equations/x`
   Fault fault;
-  bool in_text = true;  ///< its position means something
+  bool in_text = true;  ///< fault.position is a position in that text; false where the fault has none
 };
 
 }  // namespace least::text

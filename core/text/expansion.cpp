@@ -18,7 +18,7 @@ class Expander {
   Expander(const Vocabulary& vocabulary, Expansion& made, KeptSums* kept)
       : vocabulary_(vocabulary), made_(made), kept_(kept) {}
 
-  /// Writes out a part of the text at hand. False: something is wrong, see `wrong`.
+  /// write(text, from, to, indices) writes out a part of the current text. False: `wrong_` says what is wrong.
   bool write(std::string_view text, std::size_t from, std::size_t to, Indices& indices) {
     if (++depth_ > most_nesting) return refuse(from, "is nested too deep", std::to_string(most_nesting) + " at most");
     std::size_t at = from;
@@ -54,7 +54,7 @@ class Expander {
         position, "takes too many operations when it is written out",
         std::to_string(most_summed) + " with all sums written out, in " + std::to_string(most_written) + " characters");
   }
-  /// `whole`: no character of it stands in the text at hand.
+  /// `whole`: the piece is not copied from the current text; all of it comes from `position`.
   bool append(std::string_view piece, std::size_t position, bool whole) {
     if (term_) {
       term_->append(piece);
@@ -70,14 +70,14 @@ class Expander {
     return true;
   }
 
-  /// What stands at a place of a text in every term of a sum: a word that means the same in all of them, or an element
+  /// WordOfTerms caches a word within the terms of a kept sum: a word that means the same in all terms, or an element
   /// of a list, whose index begins at `index`.
   struct WordOfTerms {
     std::size_t end = 0, index = 0;
     const std::pair<const std::string, std::int64_t>* list = nullptr;
   };
 
-  /// A word at `at`, which moves behind it and what belongs to it.
+  /// word(…) writes out the word at `at` and moves `at` behind the word and its index or arguments.
   bool word(std::string_view text, std::size_t& at, std::size_t to, Indices& indices) {
     const std::size_t from = at;
     if (term_) {
@@ -172,7 +172,8 @@ class Expander {
     if (second == to || comma(text, second + 1, to) != to)
       return refuse(position, "if takes a condition and two formulas", "if(i < j, …, …)");
     const std::string_view condition = text.substr(from, first - from);
-    if (!speaks_of_indices(condition, vocabulary_, indices))  // it is settled wherever the motion has come
+    // any other condition depends on the motion and stays in the text
+    if (!speaks_of_indices(condition, vocabulary_, indices))
       return append("if(", position, true) && write(text, from, first, indices) && append(",", position, true) &&
              write(text, first + 1, second, indices) && append(",", position, true) &&
              write(text, second + 1, to, indices) && append(")", position, true);
@@ -182,7 +183,7 @@ class Expander {
     return append("(", position, true) && write(text, taken ? first + 1 : second + 1, taken ? second : to, indices) &&
            append(")", position, true);
   }
-  /// Of a sum or a product: from the first bound to the last bracket.
+  /// series(…) writes out a sum or a product, from its first range to its closing bracket.
   bool series(std::string_view text, std::size_t position, std::size_t from, std::size_t to, bool adds,
               Indices& indices) {
     bool any = false;
@@ -191,13 +192,13 @@ class Expander {
     if (!append("(", position, true) || !terms(text, position, from, to, adds, indices, any)) return false;
     return any ? append(")", position, true) : append(adds ? "0)" : "1)", position, true);
   }
-  /// `i=1..n`, and where what follows its comma begins.
+  /// Range is `i=1..n`; `body` is the position behind its comma.
   struct Range {
     std::string_view letter;
     std::int64_t first, last;
     std::size_t body;
   };
-  /// The range that begins a text; nothing where there is none, and then it is known what is wrong.
+  /// range(…) reads the range at the beginning of a text; nothing where there is none, and then `wrong_` is set.
   std::optional<Range> range(std::string_view text, std::size_t from, std::size_t to, bool adds, Indices& indices) {
     const std::size_t end = comma(text, from, to), equals = text.find('=', from), dots = text.find("..", from);
     const std::size_t name_from = after_space(text, from, end);
@@ -235,13 +236,13 @@ class Expander {
     indices.pop_back();
     return true;
   }
-  /// Whether a word means the same in all terms.
+  /// is_common tells whether a word means the same in all terms.
   static bool is_common(std::string_view name) {
     return name == "pi" || name == "and" || name == "or" || name == "not" ||
            std::ranges::find(function_names(), name) != function_names().end();
   }
-  /// Calls f(where a term begins, where it ends) for the indices of every term, as far as it returns true; a sum of
-  /// sums has the terms of these. False: a range is none.
+  /// each_term calls f(begin, end) with the position of the term for every combination of indices, until f returns
+  /// false; nested sums are treated as one sum. False: a range is wrong, or f returned false.
   template <class F>
   bool each_term(std::string_view text, std::size_t from, std::size_t to, Indices& indices, const F& f) {
     const auto over = range(text, from, to, true, indices);
@@ -257,7 +258,7 @@ class Expander {
     indices.pop_back();
     return good;
   }
-  /// What is summed within a text that is nothing but a sum; else the text.
+  /// inner_sum returns the contents of a text that is nothing but a sum; else the text itself.
   static std::pair<std::size_t, std::size_t> inner_sum(std::string_view text, std::size_t from, std::size_t to) {
     const std::size_t begin = after_space(text, from, to);
     const std::size_t word = end_of_word(text, begin, to), open = after_space(text, word, to);
@@ -266,7 +267,8 @@ class Expander {
     return after_space(text, std::min(close + 1, to), to) == to && close < to ? std::pair(open + 1, close)
                                                                               : std::pair(from, to);
   }
-  /// A sum as one, if it has many terms of few shapes; what it returns, or nothing where it is to be written out.
+  /// keep(…) makes a kept sum if there are many terms of few shapes. It returns whether that succeeded, or nothing
+  /// where the sum is to be written out.
   std::optional<bool> keep(std::string_view text, std::size_t position, std::size_t from, std::size_t to,
                            Indices& indices) {
     std::size_t count = 0;
@@ -290,14 +292,14 @@ class Expander {
     };
     TermReader differing(*kept_, true), alike(*kept_, false);
     TermReader* const term = read(differing) ? &differing : read(alike) ? &alike : nullptr;
-    if (!term) return std::nullopt;  // written out, its faults are found where they are
+    if (!term) return std::nullopt;  // writing the sum out will find its faults and their positions
     terms_ += count;
     if (terms_ > most_terms) return too_long(position);
     const std::string number = ")#" + std::to_string(kept_->all.size()) + ")";
     kept_->all.push_back(term->sum());
     held.shrink_to(0);
     kept_->held.add_soon(kept_->all.back().bytes());
-    KeptSums* const sums = std::exchange(kept_, nullptr);  // of the first term sums are written out
+    KeptSums* const sums = std::exchange(kept_, nullptr);  // within the first term, sums are written out
     const bool good =
         append("((", position, true) && write(text, body.first, body.second, *first) && append(number, position, true);
     kept_ = sums;
@@ -335,14 +337,15 @@ class Expander {
 
   const Vocabulary& vocabulary_;
   Expansion& made_;
-  KeptSums* kept_;              ///< null: all is written out
-  TermReader* term_ = nullptr;  ///< of the sum that is kept: what is written is one of its terms
-  std::unordered_map<const char*, WordOfTerms> words_of_terms_;  ///< those that were looked at, by where they begin
+  KeptSums* kept_;              ///< null: all sums are written out
+  TermReader* term_ = nullptr;  ///< the reader of the kept sum whose term is being written; null outside of kept sums
+  /// cached words, by the address of their first character
+  std::unordered_map<const char*, WordOfTerms> words_of_terms_;
   Expansion::Wrong wrong_;
-  std::optional<std::size_t> definition_{};  ///< whose text is at hand
-  std::size_t known_ = std::string::npos;    ///< so many definitions are
+  std::optional<std::size_t> definition_{};  ///< the definition whose text is being written
+  std::size_t known_ = std::string::npos;    ///< only definitions with smaller numbers may be used
   std::size_t depth_ = 0;
-  std::size_t terms_ = 0;  ///< of sums that were looked at, also where a condition left nothing of them
+  std::size_t terms_ = 0;  ///< terms of all sums so far, also those that a condition left empty
 };
 
 std::variant<Expansion, Expansion::Wrong> Expansion::of(std::string_view text, const Vocabulary& vocabulary,

@@ -1,9 +1,10 @@
-// Texts that speak of many of a kind, written out: what `sum(i=1..n, m[i]*vx[i]^2/2)` stands for, without sums,
-// definitions and indices but numbers, as an Expression reads it.
+// Texts with lists, sums and definitions, written out: `sum(i=1..n, m[i]*vx[i]^2/2)` becomes a text without sums,
+// definitions and symbolic indices, which an Expression reads.
 //   x[i+1]   an element of a list, counted from 1; an index is made of whole numbers by + - * and mod(a, n)
-//   sum(i=1..n, j=i+1..n, …)  prod(…)   of nothing they are 0 and 1
-//   if(i != j, u, v)   where the condition compares indices: < <= > >= == !=, and, or, not; others stay as they are,
-//                      also those of parameters that are whole
+//   sum(i=1..n, j=i+1..n, …)  prod(…)   an empty sum is 0, an empty product 1
+//   if(i != j, u, v)   is settled where the condition compares indices: < <= > >= == !=, and, or, not; any other
+//   condition
+//                      stays in the text, also one that compares whole-numbered parameters
 //   r, d(i,j)   a definition; its arguments are indices
 #pragma once
 
@@ -20,13 +21,13 @@
 
 namespace least::text {
 
-/// A sum of many terms that is kept as one: of the terms that read alike but for what they speak of, their common text,
-/// in which `a[1]`, `a[2]` … stand for that.
+/// KeptSum is a long sum that is not written out. Terms that differ only in the names they contain share one Shape: its
+/// text has placeholders `a[1]`, `a[2]`, … for these names.
 struct KeptSum {
   struct Shape {
     std::string text;
     std::size_t arguments = 0, terms = 0;
-    std::vector<std::uint32_t> given{};  ///< by term, then by argument: the number of a name
+    std::vector<std::uint32_t> given{};  ///< terms × arguments numbers of names (see SumNames), term by term
   };
   std::vector<Shape> shapes{};
 
@@ -37,28 +38,30 @@ struct KeptSum {
   }
 };
 
-/// What terms of sums speak of, by numbers: names, elements of lists, and what indices are as numbers.
+/// SumNames numbers what the terms of kept sums refer to: names, elements of lists, and values of indices.
 class SumNames {
  public:
   std::uint32_t number_of(std::string_view name) { return number_of(name, 0); }
   std::uint32_t number_of(std::string_view list, std::size_t index);
   std::uint32_t number_of(std::int64_t value);
-  /// By their numbers; a value as its digits.
+  /// all() returns the names by number; the value of an index is written in digits.
   const std::vector<std::string>& all() const { return all_; }
 
  private:
   std::vector<std::string> all_;
   std::map<std::int64_t, std::uint32_t> values_;
-  std::map<std::string, std::vector<std::uint32_t>, std::less<>> elements_;  ///< one more; 0 where unknown
+  /// by list and index, the number plus one; 0 where the element has no number yet
+  std::map<std::string, std::vector<std::uint32_t>, std::less<>> elements_;
 };
 
-/// The kept sums of the texts of a scene. A text written out has the first term of each, and its number:
-/// `((x[1]-x[2])#0)`.
+/// KeptSums holds all kept sums of a scene. In a text that was written out a kept sum appears as its first term and its
+/// number, `((x[1]-x[2])#0)`.
 struct KeptSums {
-  std::size_t few_terms = 256;  ///< fewer are written out: each by itself is as fast, by implicit schemes faster
+  /// sums of fewer terms are written out: they run as fast, and faster in implicit schemes
+  std::size_t few_terms = 256;
   std::vector<KeptSum> all{};
   SumNames names{};
-  Names not_in_them{};  ///< lists and names, as of velocities, that the terms of no kept sum speak of
+  Names not_in_them{};  ///< a sum whose terms contain one of these lists or names (such as velocities) is written out
   Held held = HeldByThread::take(0);
 
   void clear() {
@@ -68,37 +71,38 @@ struct KeptSums {
   }
 };
 
-/// A text written out, and where its parts come from.
+/// Expansion is a text written out, together with the origin of each of its parts.
 class Expansion {
  public:
-  /// A place in the text, or in that of a definition of the vocabulary.
+  /// Place is a position in the text itself, or in the text of the definition with this number in the vocabulary.
   struct Place {
     std::size_t position = 0;
     std::optional<std::size_t> definition{};
   };
-  /// What is wrong, in the text or in that of a definition.
+  /// Wrong is a fault in the text itself, or in the text of the definition with this number.
   struct Wrong {
     Fault fault;
     std::optional<std::size_t> definition{};
   };
 
-  /// `indices`: what has a value already. `kept`: gets sums of many terms; none: they are written out, too. Takes no
-  /// longer than most_written characters do.
+  /// of(text, …) writes `text` out, or returns what is wrong with it. `indices` are the values of indices that are
+  /// already set. `kept` receives the sums of many terms; null writes these out, too. The work is bounded: more than
+  /// most_written characters are refused.
   static std::variant<Expansion, Wrong> of(std::string_view text, const Vocabulary& vocabulary,
                                            const Indices& indices = {}, KeptSums* kept = nullptr);
 
   const std::string& text() const { return text_; }
-  /// Where the character at a place of the text written out comes from.
+  /// origin(position) returns where the character at a position of the written-out text comes from.
   Place origin(std::size_t position) const;
-  /// The whole constants that bounds, indices and conditions used.
+  /// used() returns the whole-number constants that bounds, indices and conditions have used.
   const Names& used() const { return used_; }
 
  private:
   friend class Expander;
   struct Part {
-    std::size_t at;        ///< where it begins, written out
-    std::size_t position;  ///< and where it comes from
-    bool whole;            ///< all of it comes from that one place
+    std::size_t at;        ///< first position in the written-out text
+    std::size_t position;  ///< position in the text that the part comes from
+    bool whole;            ///< the whole part comes from that one position
     std::optional<std::size_t> definition;
   };
   std::string text_;
@@ -106,10 +110,10 @@ class Expansion {
   Names used_;
 };
 
-/// The name of an element of a list: `x[3]`.
+/// element_name("x", 3) returns `x[3]`.
 std::string element_name(std::string_view list, std::int64_t index);
 
-/// A name with an index that is a number: the list and the number, or nothing.
+/// element_of(`x[3]`) returns the list and the index; nothing where the name has no numeric index.
 std::optional<std::pair<std::string_view, std::int64_t>> element_of(std::string_view name);
 
 }  // namespace least::text

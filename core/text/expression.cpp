@@ -15,8 +15,8 @@ namespace {
 
 using TokenKind = Token::Kind;
 
-/// What a part of a text comes to: a number; or a condition, which holds where the number is negative, or where it is
-/// not.
+/// Value is what a part of a text evaluates to: a number; or a condition, which holds where `number` is negative, or,
+/// if `negated`, where it is not.
 struct Value {
   Symbol number;
   bool condition = false, negated = false;
@@ -25,10 +25,10 @@ struct Value {
 };
 
 Value holds(const Symbol::Mask& mask) { return {mask.difference, true, mask.negated}; }
-/// A condition as one number: −1 where it holds, else 1.
+/// settled(number) returns the condition that a number −1 (true) or 1 (false) stands for.
 Value settled(const Symbol& number) { return {number, true, false}; }
 
-/// The angle of (x, y): where |y| < |x| by y/x, else by x/y.
+/// angle(y, x) is atan2: from y/x where |y| < |x|, else from x/y.
 Symbol angle(const Symbol& y, const Symbol& x) {
   const Symbol half = std::numbers::pi / 2, whole = std::numbers::pi;
   const auto flat = abs(y) < abs(x);
@@ -68,7 +68,7 @@ Symbol call(const Token& token, std::span<const Value> arguments) {
   return made;
 }
 
-/// Of numbers a condition, of conditions a condition.
+/// compare combines two numbers by a comparison, or two conditions by and/or, to a condition.
 Value compare(TokenKind kind, const Value& a, const Value& b) {
   switch (kind) {
     case TokenKind::less:
@@ -95,7 +95,7 @@ Symbol operate(TokenKind kind, const Symbol& a, const Symbol& b) {
     case TokenKind::multiply:
       for (const auto& [zero, other] : {std::pair{&a, &b}, std::pair{&b, &a}})
         if (zero->is_constant() && zero->constant() == 0 && Recorder::node(*other).partial)
-          return Recorder::binary(tape::Op::multiply, *zero, *other);  // 0·log(−1) is no number
+          return Recorder::binary(tape::Op::multiply, *zero, *other);  // 0·log(−1) must stay NaN
       return a * b;
     case TokenKind::divide:
       return a / b;
@@ -111,7 +111,7 @@ std::string listed(std::span<const Word> words) {
   return names + (names.empty() ? "pi" : ", pi");
 }
 
-// Whether constants are numbers, those too that were written from a place on: `x/0` is a product with 1/0.
+// is_finite tells whether all constants written from place `from` on are finite, as x/0 is recorded as x·(1/0).
 bool is_finite(const Symbol& made, const tape::Tape& tape, tape::Index from) {
   for (; from < tape.size(); ++from)
     if (tape[from].op == tape::Op::constant && !std::isfinite(tape[from].value)) return false;
@@ -150,7 +150,7 @@ std::optional<double> constant_of(std::string_view text) {
 
 namespace {
 
-/// Of how many parts a token is made, and whether the part at `i` has to be a condition.
+/// parts_of returns how many operands a token takes; below, whether the operand at `i` has to be a condition.
 std::size_t parts_of(const Token& token) {
   if (token.kind == TokenKind::number || token.kind == TokenKind::name) return 0;
   if (token.kind == TokenKind::call) return token.arguments;

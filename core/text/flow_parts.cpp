@@ -10,7 +10,7 @@ namespace {
 
 constexpr tape::Index most_of_rates = 1 << 17;
 
-/// The rates on a tape of their own, with numbers in the place of parameters.
+/// RatesInParts holds the rates on a tape of its own, with numbers in the place of parameters.
 class RatesInParts {
  public:
   RatesInParts(const Form& form, std::span<const double> parameters, std::optional<std::size_t> moved)
@@ -51,7 +51,7 @@ class RatesInParts {
 
  private:
   std::vector<bool> variables_of(const Symbol& y) const {
-    std::vector<bool> all(n_ + 1, false);  // and a parameter
+    std::vector<bool> all(n_ + 1, false);  // the last is the moved parameter
     if (y.is_constant()) return all;
     for (const tape::Index part : tape::parts_of(tape_, y.place()))
       if (tape_[part].op == tape::Op::variable) all[static_cast<std::size_t>(tape_[part].value)] = true;
@@ -60,7 +60,8 @@ class RatesInParts {
   bool goes_with(std::size_t i, const std::vector<std::size_t>& others) const {
     return std::ranges::none_of(others, [&](std::size_t j) { return reads_[i][j] || reads_[j][i]; });
   }
-  /// As |x| does, whose slope says nothing of that.
+  /// switches_with(i) tells whether rate i has a case distinction in its own variable, as |x| does: its slope does not
+  /// show it.
   bool switches_with(std::size_t i) {
     if (rates_[i].is_constant()) return false;
     return std::ranges::any_of(tape::parts_of(tape_, rates_[i].place()), [&](tape::Index part) {

@@ -1,4 +1,4 @@
-// A tape with numbers in the place of its parameters, and what is made of that.
+// A form's tape with numbers in the place of its parameters, and what is made of that.
 #pragma once
 
 #include <limits>
@@ -9,7 +9,8 @@
 
 namespace least::text {
 
-/// Writes on a tape of its own. Stays where it is.
+/// Folding copies symbols of a form to a tape of its own, with the parameters replaced by numbers. Not copyable: its
+/// substitution refers to that tape.
 class Folding {
  public:
   Folding(const Form& form, std::span<const double> parameters)
@@ -27,9 +28,9 @@ class Folding {
     for (const Symbol& y : all) folded.push_back(substitution_(y));
     return folded;
   }
-  /// The i-th variable, as one that was folded.
+  /// variable(i) returns the i-th variable of the form on the new tape.
   Symbol variable(int i) { return Symbol::variable(tape_, static_cast<std::size_t>(i)); }
-  /// The number that y is with these parameters; NaN where it is none.
+  /// number(y) returns the value of a symbol of the form that depends on parameters alone; NaN for any other.
   double number(const Symbol& y) {
     const Symbol folded = substitution_(y);
     return folded.is_constant() ? folded.constant() : std::numeric_limits<double>::quiet_NaN();
@@ -40,11 +41,11 @@ class Folding {
     for (const Symbol& y : all) found.push_back(number(y));
     return found;
   }
-  /// Of what was folded.
+  /// gradient(folded, variables) differentiates a symbol of the new tape.
   std::vector<Symbol> gradient(const Symbol& folded, std::span<const int> variables) {
     return tape::gradient(tape_, folded, variables);
   }
-  /// Of what was folded, or is to be.
+  /// formula_of takes symbols of the new tape; formula, below, takes symbols of the form.
   tape::Formula formula_of(std::span<const Symbol> folded) {
     std::vector<tape::Index> places;
     for (const Symbol& y : folded) places.push_back(y.on(tape_));

@@ -8,7 +8,7 @@
 namespace least::text {
 namespace {
 
-/// Why none can stand beside such mechanics; empty: they can.
+/// objection_to_forces returns why no forces can stand beside such mechanics; empty where they can.
 std::string objection_to_forces(const Definition& given, const Form& form) {
   if (form.kind == FormKind::flow) return "beside equations, which say all of the motion";
   if (given.damping) return "beside damping, which is a force of its own";
@@ -54,7 +54,7 @@ void TextReader::read_forces() {
       std::vector<int> velocities;
       for (std::size_t i = 0; i < n(); ++i) velocities.push_back(form_->numbers.momentum + static_cast<int>(i));
       const auto slopes = tape::gradient(tape, *d, velocities);
-      // Of what goes backward D̃(q, ṽ, τ) = D(q, −ṽ, −τ), so that −∂D/∂v is ∂D̃/∂ṽ.
+      // A time-reversed scene has D̃(q, ṽ, τ) = D(q, −ṽ, −τ), so that −∂D/∂v is ∂D̃/∂ṽ.
       for (std::size_t i = 0; i < n(); ++i) form_->friction[i] = given_.backward ? slopes[i] : -slopes[i];
     }
   tape::Dependences depends(tape, [](int) { return tape::Dependence(0); });

@@ -12,10 +12,10 @@ namespace {
 
 using tape::Dependence;
 
-/// Parameters are numbers of a scene: nothing depends on them.
+/// What a symbol may depend on; parameters do not count, as they are numbers of a scene.
 constexpr Dependence on_places = 1, on_momenta = 2, on_action = 4;
 
-/// Reads the texts of a definition and finds its form.
+/// Reader reads the texts of a definition and finds its form.
 class Reader : TextReader {
  public:
   using TextReader::TextReader;
@@ -24,7 +24,7 @@ class Reader : TextReader {
     check_names();
     if (!faults().empty()) return faults();
     form_->tape.bound(static_cast<tape::Index>(8 * operations()));
-    // Its names and tokens, and what derivatives take on their way.
+    // Memory for names and tokens, and for intermediate derivatives.
     constexpr std::size_t bytes_of_character = 48;
     Held meanwhile = HeldByThread::take_soon(bytes_of_character * given_.characters());
     try {
@@ -83,8 +83,8 @@ class Reader : TextReader {
     const auto known = words(lagrangian ? 'v' : 'p', momenta_only, velocities_only, {});
     const auto text = record(pointer, given_.formula, known);
     if (!text) return;
-    // Both ways: a function F of (q, u, s, t) with u = v or p, whose second derivative by u is the metric or its
-    // inverse.
+    // Lagrangians and Hamiltonians alike are a function F of (q, u, s, t), u = v or p, whose second derivative by u is
+    // the metric or its inverse.
     auto& tape = form_->tape;
     const Symbol rest = at_rest(*text);
     std::vector<Symbol> slope = tape::gradient(tape, *text, moving());
@@ -135,7 +135,7 @@ class Reader : TextReader {
       keep_hessian(second);
       const auto raised = inverse_of(second);
       if (!raised) return fault(pointer, "is not regular: its second derivative by the velocities has no inverse");
-      // What s adds is friction α(t) s: q and p move without it, and by Herglotz' equations.
+      // The terms with s are friction α(t) s: q and p move without s, and Herglotz' equations apply as well.
       if (natural && form_->kind == FormKind::contact_linear) form_->lagrangian = *text;
       form_->hamiltonian = legendre(*raised, linear, potential);
     }
@@ -196,13 +196,14 @@ class Reader : TextReader {
     return tape::Substitution(form_->tape, form_->tape, other)(y);
   }
   Symbol variable(int i) { return Symbol::variable(form_->tape, static_cast<std::size_t>(i)); }
-  /// With velocities or momenta zero.
+  /// at_rest(y) returns y with velocities or momenta zero.
   Symbol at_rest(const Symbol& y) { return at_rest_(y); }
   Symbol without_action(const Symbol& y) {
     return with(y, [&](int i) { return i == numbers().action ? Symbol(0) : variable(i); });
   }
 
-  /// H_s of a natural H = K + V(q, t, s): none, α(t) or γ s. Keeps V. False where it is something else.
+  /// take_action reads the terms with s off H_s of a natural H = K + V(q, t, s): none, α(t) or γ s. It sets the
+  /// potential. False where H_s is anything else.
   bool take_action(const Symbol& slope, const Symbol& potential) {
     auto& tape = form_->tape;
     form_->potential = without_action(potential);
@@ -225,7 +226,7 @@ class Reader : TextReader {
     return true;
   }
 
-  /// What in the potential is a number is −R: terms of sums and differences that depend on parameters alone.
+  /// take_offset finds −R, the terms of the potential that depend on parameters alone.
   void take_offset() {
     struct Term {
       Symbol value;
@@ -253,8 +254,8 @@ class Reader : TextReader {
     }
   }
 
-  /// The metric from ∂²L/∂v² or ∂²H/∂p². False where the form that was found has none of this kind: one that changes
-  /// with the place goes with V(q) alone; and where it takes too many operations to be found, and H is known.
+  /// take_metric reads the metric off ∂²L/∂v² or ∂²H/∂p². False where no form has such a metric (a metric that depends
+  /// on q needs V(q) alone), or where it takes too many operations and H is known.
   bool take_metric(const Matrix& second, bool lagrangian) try {
     bool constant = true;
     for (std::size_t i = 0; i < n(); ++i)
@@ -269,7 +270,7 @@ class Reader : TextReader {
       return true;
     }
     if (lagrangian) keep_hessian(second);
-    // Of a metric the elimination takes no pivots but those of the diagonal.
+    // Elimination of a positive definite metric needs no pivots but the diagonal.
     for (std::size_t i = 0; i < n(); ++i)
       if (is_nothing(second.at(i, i))) return false;
     if (constant) {
@@ -291,7 +292,7 @@ class Reader : TextReader {
     return false;
   }
 
-  /// So many more entries of matrices. Throws MemoryShortage.
+  /// Charges the memory of so many more matrix entries. Throws MemoryShortage.
   void hold(std::size_t entries) { matrices_.add_soon(entries * sizeof(Matrix::Entry)); }
   void keep_hessian(const Matrix& second) {
     if (!form_->hessian.empty()) return;
@@ -299,7 +300,7 @@ class Reader : TextReader {
     form_->hessian = second;
   }
 
-  /// H of L = ½ vᵀg v + a·v − V.
+  /// legendre returns H of L = ½ vᵀg v + a·v − V.
   Symbol legendre(const Matrix& raised, const std::vector<Symbol>& linear, const Symbol& potential) {
     std::vector<Symbol> kinetic;
     for (std::size_t i = 0; i < n(); ++i)
@@ -315,7 +316,7 @@ class Reader : TextReader {
     settle(FormKind::hamiltonian);
   }
 
-  /// What follows from the parts.
+  /// settle(kind) sets what follows from the parts: what the motion reads and what it conserves.
   void settle(FormKind kind) {
     form_->kind = kind;
     Dependence all = 0;
@@ -356,7 +357,7 @@ class Reader : TextReader {
     }
   }
 
-  Held matrices_ = HeldByThread::take(0);  ///< while the text is read
+  Held matrices_ = HeldByThread::take(0);  ///< memory of matrices while the text is read
   tape::Dependences depends_{form_->tape, [this](int i) -> Dependence {
                                if (i >= numbers().parameter) return 0;
                                if (flow() || i < numbers().momentum) return on_places;

@@ -18,7 +18,8 @@ std::string with_index(const std::string& of, const std::string& index) {
   return "<msub>" + of + row(index) + "</msub>";
 }
 
-/// An index, a bound or a condition on indices, sign by sign: `i+1`, `mod(i,n)`, `i != j`.
+/// markup_of_index marks up an index, a bound or a condition on indices character by character: `i+1`, `mod(i,n)`, `i
+/// != j`.
 std::string markup_of_index(std::string_view text) {
   constexpr std::pair<std::string_view, std::string_view> signs[] = {
       {"==", "="}, {"!=", "≠"}, {"<=", "≤"}, {">=", "≥"}, {"<", "&lt;"}, {">", "&gt;"}, {"-", "−"}, {"*", "⁢"}};
@@ -49,8 +50,9 @@ std::string markup_of_index(std::string_view text) {
   return made;
 }
 
-/// Texts of one scene. What an Expression does not know - elements by an index, definitions with indices, sums and
-/// products, conditions on indices - it reads as a name, which stands for the markup of what was typed.
+/// Markup marks up the texts of one scene. Constructs that an Expression cannot parse - elements by an index,
+/// definitions with indices, sums and products, conditions on indices - are replaced by stand-in names, whose markup
+/// shows what was typed.
 class Markup {
  public:
   explicit Markup(const Vocabulary* vocabulary) : vocabulary_(vocabulary) {}
@@ -62,7 +64,7 @@ class Markup {
     std::string text;
     bool adds = false;  ///< a sum or a difference of terms
   };
-  /// No name that is typed is so long.
+  /// Longer than any name that can be typed.
   static constexpr std::string_view stand_in = "what_was_typed_with_indices_and_is_no_expression_";
 
   Made made(std::string_view text) {
@@ -93,7 +95,7 @@ class Markup {
     std::string plain;
     const std::size_t to = text.size();
     for (std::size_t at = 0; at < to;) {
-      if (is_digit(text[at]) || text[at] == '.') {  // with the letter of its exponent
+      if (is_digit(text[at]) || text[at] == '.') {  // a number, with the letter of its exponent
         const std::size_t end = end_of_number(text, at, to);
         plain += text.substr(at, end - at);
         at = end;

@@ -7,8 +7,8 @@
 
 namespace least::text {
 
-/// What a definition says, as <math>: L, H, V or the equations, then what stands beside them. Of a scene that speaks of
-/// many of a kind as its author typed it: sums as sums, then the definitions.
+/// formula_of returns a definition as <math>: L, H, V or the equations, then forces, damping and the like. A scene with
+/// lists is shown as its author typed it: sums as sums, followed by the definitions.
 std::string formula_of(const Definition& definition);
 
 }  // namespace least::text

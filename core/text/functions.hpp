@@ -15,7 +15,7 @@ inline constexpr std::array<std::string_view, 20> functions{"sin",  "cos",  "tan
 constexpr std::size_t number_of(std::string_view function) {
   return static_cast<std::size_t>(std::find(functions.begin(), functions.end(), function) - functions.begin());
 }
-/// How many arguments a function takes, at least and at most.
+/// Arity is how many arguments a function takes, at least and at most.
 struct Arity {
   std::size_t least = 1, most = 1;
 };
@@ -25,10 +25,11 @@ constexpr Arity arity(std::size_t function) {
   return function == number_of("if") ? Arity{3, 3} : Arity{};
 }
 
-/// How the markup of a sum or a product of many begins: it reaches as far to the right as it can.
+/// The beginning of the markup of a sum or a product over indices, by which its open right end is recognised.
 inline constexpr std::string_view series_markup = "<mrow><munderover>";
 
-/// Of two operations the one that binds more is done first; of two equal ones the left one, unless they are `right`.
+/// Precedence of an operation: the one with the larger `binds` is done first; of equal ones the left one, unless they
+/// are `right`-associative.
 struct Precedence {
   int binds;
   bool right = false;

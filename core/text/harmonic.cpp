@@ -15,9 +15,9 @@ namespace {
 
 constexpr tape::Index most_of_oscillators = 1 << 17;
 
-using Square = std::vector<double>;  ///< a matrix, row by row
+using Square = std::vector<double>;  ///< an n × n matrix, row-major
 
-/// L with LLᵀ = a, a symmetric and positive definite.
+/// lower_root(n, a) returns the Cholesky factor L, LLᵀ = a, of a symmetric positive definite a.
 Square lower_root(std::size_t n, const Square& a) {
   Square l(n * n);
   for (std::size_t j = 0; j < n; ++j)
@@ -115,7 +115,7 @@ class Oscillators {
     for (std::size_t i = 0; i < n_; ++i)
       inverse_mass_[i * n_ + i] = i < form.mass.size() ? 1 / number(fold_(form.mass[i])) : 1;
   }
-  /// Of what depends on nothing.
+  /// number(y) returns the value of a symbol that depends on nothing.
   double number(const Symbol& y) {
     if (y.is_constant()) return y.constant();
     const tape::Index place = y.on(tape_);
@@ -125,7 +125,8 @@ class Oscillators {
     return value;
   }
 
-  /// V″ at the origin of a V that depends on time, written out, so that it is seen whether V″ does. False: it does.
+  /// find_lasting_stiffness finds V″ at the origin for a V that depends on time, symbolically, to see whether V″ does.
+  /// False: it does.
   bool find_lasting_stiffness() {
     std::vector<Symbol> second;
     for (const Symbol& slope : slopes_) {
@@ -144,7 +145,8 @@ class Oscillators {
 
   /// V″ at the origin.
   std::string find_stiffness() {
-    // Of many bodies the second derivative is large, and they are nowhere smooth at the origin.
+    // Second derivatives of many attracting bodies are long, and V is not smooth at the origin anyway: this is checked
+    // first.
     const std::vector<double> origin(n_, 0.0);
     std::vector<double> slopes(n_);
     gradient().evaluate(origin.data(), 0.0, slopes.data());

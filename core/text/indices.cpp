@@ -10,14 +10,14 @@ namespace {
 
 constexpr std::int64_t largest_index = 1'000'000'000'000;
 
-/// Whole numbers and conditions among them, read from a part of a text.
+/// IndexReader reads a whole number, or a condition on whole numbers, from a part of a text.
 class IndexReader {
  public:
   IndexReader(std::string_view text, std::size_t from, std::size_t to, const Vocabulary& vocabulary,
               const Indices& indices, Names& used)
       : text_(text), at_(from), end_(to), vocabulary_(vocabulary), indices_(indices), used_(used) {}
 
-  /// All of the part, or what is wrong with it.
+  /// number() reads the whole part as a number, or returns what is wrong with it.
   std::variant<std::int64_t, Fault> number() {
     const auto value = sum();
     if (fault_.detail.empty() && !ended()) refuse("is no part of an index", allowed_number);
@@ -148,7 +148,7 @@ class IndexReader {
     --depth_;
     return value;
   }
-  /// Whether a bracket opens here that holds a condition and not a number.
+  /// bracketed() tells whether a bracket opens here that encloses a condition and not a number.
   bool bracketed() {
     if (ended() || text_[at_] != '(') return false;
     std::size_t depth = 0, at = at_;
@@ -199,7 +199,7 @@ std::optional<std::int64_t> value_of(std::string_view index, const Indices& indi
 
 std::variant<std::int64_t, Fault> read_index(std::string_view text, std::size_t from, std::size_t to,
                                              const Vocabulary& vocabulary, const Indices& indices, Names& used) {
-  // Most are an index by itself.
+  // Most indices are a single letter.
   if (const auto value = value_of(text.substr(from, to - from), indices)) return *value;
   return IndexReader(text, from, to, vocabulary, indices, used).number();
 }
@@ -212,7 +212,7 @@ std::variant<bool, Fault> read_condition(std::string_view text, std::size_t from
 bool speaks_of_indices(std::string_view condition, const Vocabulary& vocabulary, const Indices& indices) {
   bool whole = condition.find_first_of("./^") == std::string_view::npos, sizes = true, any = false;
   bool of_indices = condition.find("==") != std::string_view::npos || condition.find("!=") != std::string_view::npos;
-  if (of_indices) whole = true;  // what else stands there is told by who reads indices
+  if (of_indices) whole = true;  // then read_condition reports anything in it that is no index
   for (std::size_t at = 0; at < condition.size();) {
     if (!is_letter(condition[at])) {
       ++at;

@@ -1,5 +1,5 @@
-// Indices of many of a kind: whole numbers, and conditions among them, which are settled before anything is computed.
-//   + - * mod(a, n) ( )   of numbers, indices and whole constants
+// Indices of lists: whole numbers, and conditions on them, which are settled when a text is written out.
+//   + - * mod(a, n) ( )   of numbers, indices and whole-number constants
 //   < <= > >= == !=, and, or, not
 #pragma once
 
@@ -19,34 +19,36 @@ namespace least::text {
 
 using Names = std::set<std::string, std::less<>>;
 
-/// The values of indices, the innermost last.
+/// Indices are the names of indices and their values, the innermost last.
 using Indices = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// What a text may speak of besides the names that an Expression knows.
+/// Vocabulary is what a text may use besides the names that an Expression knows.
 struct Vocabulary {
   struct Defined {
     std::string name;
     std::vector<std::string> indices;
     std::string text;
   };
-  std::vector<Defined> definitions;                            ///< each knows those before it
-  std::map<std::string, std::int64_t, std::less<>> lists;      ///< how many elements a list has
-  std::map<std::string, std::int64_t, std::less<>> constants;  ///< whole numbers, which bounds and indices may use
-  Names fixed;                                                 ///< of those the ones that stand for numbers everywhere
+  std::vector<Defined> definitions;                        ///< a definition may use only those before it
+  std::map<std::string, std::int64_t, std::less<>> lists;  ///< by list, the number of its elements
+  /// constants with whole values, which bounds and indices may use
+  std::map<std::string, std::int64_t, std::less<>> constants;
+  Names fixed;  ///< names of those constants that have been used so and are therefore numbers everywhere in the scene
 };
 
-/// The value of the innermost index of this name; nothing where there is none.
+/// value_of returns the value of the innermost index of this name; nothing where there is none.
 std::optional<std::int64_t> value_of(std::string_view index, const Indices& indices);
 
-/// A part of a text as an index. `used`: gets the whole constants that it reads.
+/// read_index reads a part of a text as an index. `used` receives the whole-number constants that the index reads.
 std::variant<std::int64_t, Fault> read_index(std::string_view text, std::size_t from, std::size_t to,
                                              const Vocabulary& vocabulary, const Indices& indices, Names& used);
-/// The same as a condition.
+/// read_condition reads a part of a text as a condition on indices.
 std::variant<bool, Fault> read_condition(std::string_view text, std::size_t from, std::size_t to,
                                          const Vocabulary& vocabulary, const Indices& indices, Names& used);
 
-/// Whether a condition is one of indices: of whole numbers alone, it speaks of an index, or of nothing but sizes, or
-/// compares as only indices are compared. A parameter that happens to be whole makes none.
+/// speaks_of_indices tells whether a condition is settled when the text is written out: it consists of whole numbers
+/// alone, and it contains an index, or nothing but sizes, or a comparison by == or !=, which only indices allow. A
+/// parameter that happens to have a whole value does not make a condition one of indices.
 bool speaks_of_indices(std::string_view condition, const Vocabulary& vocabulary, const Indices& indices);
 
 }  // namespace least::text

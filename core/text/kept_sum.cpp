@@ -5,7 +5,8 @@
 namespace least::text {
 namespace {
 
-/// The places on the tape of what the names mean that a sum speaks of; none of the others.
+/// places_of returns, by number of a name, the place on the tape of its meaning; none for names that the sum does not
+/// use.
 std::variant<std::vector<tape::Index>, Fault> places_of(const KeptSum& sum, const std::vector<std::string>& names,
                                                         tape::Tape& tape, const Words& words) {
   std::vector<tape::Index> places(names.size(), tape::none);
@@ -14,7 +15,7 @@ std::variant<std::vector<tape::Index>, Fault> places_of(const KeptSum& sum, cons
       if (places[number] != tape::none) continue;
       const std::string& name = names[number];
       if (double value = 0; std::from_chars(name.data(), name.data() + name.size(), value).ec == std::errc()) {
-        places[number] = Symbol(value).on(tape);  // what an index is
+        places[number] = Symbol(value).on(tape);  // the value of an index
         continue;
       }
       const Word* const known = words.find(name);
@@ -25,7 +26,7 @@ std::variant<std::vector<tape::Index>, Fault> places_of(const KeptSum& sum, cons
   return places;
 }
 
-/// The formula of terms alike, of which argument k is called a[k + 1].
+/// formula_of records the common formula of a shape; argument k is the name a[k + 1].
 std::variant<Symbol, Fault> formula_of(const KeptSum::Shape& shape, tape::Tape& formula) {
   auto parsed = Expression::parse(shape.text);
   if (auto* fault = std::get_if<Fault>(&parsed)) return std::move(*fault);
@@ -51,7 +52,7 @@ std::variant<Symbol, Fault> record_sum(const KeptSums& sums, std::size_t which, 
     auto recorded = formula_of(shape, formula);
     if (auto* fault = std::get_if<Fault>(&recorded)) return std::move(*fault);
     const Symbol& term = std::get<Symbol>(recorded);
-    const std::size_t operations = static_cast<std::size_t>(formula.size()) - shape.arguments + 1;  // and the sum's own
+    const std::size_t operations = static_cast<std::size_t>(formula.size()) - shape.arguments + 1;  // and the addition
     if ((summed += operations * shape.terms) > most_kept)
       return Fault{0, "takes too many operations", std::to_string(most_kept) + " in the terms of all sums"};
     if (term.is_constant()) {

@@ -11,7 +11,7 @@ namespace least::text {
 LargeSceneTurn::~LargeSceneTurn() {
   current() = before_;
 #if defined(__GLIBC__)
-  // What was freed lies with the thread that took it, and would be kept there beside what the next thread takes.
+  // The allocator would keep freed memory for this thread, in addition to what the next thread takes.
   if (lock_.owns_lock()) malloc_trim(0);
 #endif
 }

@@ -1,5 +1,4 @@
-// Of large scenes one is read and derived at a time: what that takes on its way, beside what stays, would add
-// up.
+// Large scenes are read and derived one at a time: the temporary memory that this takes would add up between threads.
 #pragma once
 
 #include <mutex>
@@ -7,7 +6,8 @@
 
 namespace least::text {
 
-/// While it lives, its thread reads a scene. Once that shows to be large the thread has the turn, up to the end.
+/// LargeSceneTurn marks its thread as reading a scene. If the scene turns out to be large the thread takes the turn,
+/// and keeps it until the LargeSceneTurn is destroyed.
 class LargeSceneTurn {
  public:
   LargeSceneTurn() : before_(std::exchange(current(), this)) {}
@@ -15,8 +15,8 @@ class LargeSceneTurn {
   LargeSceneTurn(const LargeSceneTurn&) = delete;
   LargeSceneTurn& operator=(const LargeSceneTurn&) = delete;
 
-  /// The scene that the thread reads is large: waits for the turn, as long as the computation of the thread is to go
-  /// on.
+  /// take() is called once the scene that this thread reads is known to be large. It waits for the turn, but only as
+  /// long as the thread's computation is still wanted.
   static void take();
 
  private:

@@ -10,12 +10,13 @@ namespace {
 
 using tape::Dependence;
 
-/// What a coefficient may depend on; parameters are numbers of a scene.
+/// What a coefficient may depend on; parameters do not count, as they are numbers of a scene.
 constexpr Dependence reads_places = 1, reads_momenta = 2, reads_s = 4;
 
 bool vanishes(const Symbol& y) { return y.is_constant() && y.constant() == 0; }
 
-/// The parts of H on a tape of their own. Its variables: q from 0, s, room for one parameter, momenta, all parameters.
+/// Parts holds the parts of H on a tape of its own with the variables q (from 0), s, the moved parameter, p, all
+/// parameters.
 class Parts {
  public:
   explicit Parts(const Form& form) : Parts(form, {}, {}) {}
@@ -49,7 +50,7 @@ class Parts {
 
   bool reads_action;
   std::vector<Symbol> second;  ///< ∂²H/∂p², row by row
-  std::vector<Symbol> field;   ///< X and, where it acts, g
+  std::vector<Symbol> field;   ///< X and, where `acts`, g
   Symbol potential = 0;
   bool kinetic = false, acts = false;
 
@@ -61,7 +62,7 @@ class Parts {
     std::iota(places.begin(), places.end(), 0);
     return tape::gradient(tape_, y, places);
   }
-  /// At q = 0, s = 0.
+  /// at_origin returns symbols at q = 0, s = 0.
   std::vector<Symbol> at_origin(const std::vector<Symbol>& all) {
     tape::Substitution at(tape_, tape_, [this](int i) {
       const auto k = static_cast<std::size_t>(i);
@@ -86,7 +87,7 @@ class Parts {
     for (const Symbol& y : all) places.push_back(y.on(tape_));
     return {tape_, places};
   }
-  /// Of what depends on parameters alone.
+  /// numbers returns the values of symbols that depend on parameters alone.
   VariedNumbers numbers(const std::vector<Symbol>& all, const Slope& parameter) {
     std::vector<Slope> point(variables()), values(all.size());
     point.back() = parameter;
@@ -97,7 +98,7 @@ class Parts {
  private:
   std::size_t first_momentum() const { return n_ + 2; }
   Symbol variable(std::size_t i) { return Symbol::variable(tape_, i); }
-  /// H at p = 0 is V − g: of sums and differences the terms without s are V, as long as there is a kinetic energy.
+  /// H at p = 0 is V − g: the terms of this sum without s form V, provided there is a kinetic energy.
   void take_rest(const Symbol& rest) {
     struct Term {
       Symbol value;
@@ -206,7 +207,7 @@ std::shared_ptr<const Lift> Lift::of(const Form& form, std::span<const double> p
       for (std::size_t j = 0; j < n; ++j)
         made->diagonal = made->diagonal && (i == j || vanishes(parts.second[i * n + j]));
     }
-    // Steps are symplectic where the matrix is symmetric to the last bit: both halves are one.
+    // Both triangles get the same entries: steps are symplectic only where the matrix is exactly symmetric.
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < i; ++j) parts.second[i * n + j] = parts.second[j * n + i];
     made->inverse_mass = parts.numbers(made->diagonal ? mass : parts.second, made->parameter);

@@ -1,8 +1,9 @@
-// A Hamiltonian that is a sum of two whose steps are explicit contact maps:
+// A Hamiltonian that is the sum of two parts whose steps are explicit contact maps:
 //   H = S(q, p, t) + p·X(q, s, t) − g(q, s, t),   S = ½ pᵀM⁻¹p + V(q, t)
-// Of the first s only adds up; the second is the lift of the motion q̇ = X, ṡ = g. Rotating frames (X the rotation),
-// magnetic fields (|p − A|²/2m: X = −A/m), any friction that is not linear in s. What depends neither on p nor on s is
-// V; where nothing is quadratic in p all of it is g, so that one motion is left and nothing is split.
+// In the motion of S, s only accumulates; the second part is the lift of the motion q̇ = X, ṡ = g. Examples are
+// rotating frames (X is the rotation), magnetic fields (|p − A|²/2m: X = −A/m) and friction that is not linear in s.
+// Terms without p and s belong to V; where nothing is quadratic in p they belong to g, so that one part is left and
+// nothing is split.
 // Source: Kevrekidis, arXiv 2605.09103 (2026), which shows that maps of these two kinds generate all polynomials in p.
 #pragma once
 
@@ -18,7 +19,7 @@
 
 namespace least::text {
 
-/// A number with its slope, or without it.
+/// number_in<T> returns x with its slope, or its value alone where T is double.
 template <class T>
 T number_in(const Slope& x) {
   if constexpr (std::is_same_v<T, double>) {
@@ -27,7 +28,8 @@ T number_in(const Slope& x) {
     return x;
   }
 }
-/// Numbers of a scene that may change along a direction of its parameters.
+/// VariedNumbers are numbers of a scene together with their slopes along one direction of its parameters; in<double>()
+/// returns the values alone.
 class VariedNumbers {
  public:
   VariedNumbers() = default;
@@ -46,25 +48,26 @@ class VariedNumbers {
   std::vector<Slope> all_;
 };
 
-/// Such a Hamiltonian with numbers in the place of its parameters. Its formulas read a point y of q, then s, then the
-/// parameter that moves; never changed once it is made.
+/// Lift is such a Hamiltonian with numbers in the place of its parameters. Its formulas read a point y = (q, s, moved
+/// parameter). Immutable once it is made.
 class Lift {
  public:
-  /// Coordinates of the largest scene: steps solve for all of them at once.
+  /// Largest number of coordinates: steps solve for all of them at once.
   static constexpr std::size_t most_coordinates = 64;
 
-  /// What speaks against it of a general Hamiltonian, in words that go on from "a Hamiltonian …"; `variables`: the
-  /// names of its coordinates. Empty: nothing.
+  /// objection returns why a general Hamiltonian has no lift, as a phrase that continues "a Hamiltonian …"; empty where
+  /// it has one. `variables` are the names of its coordinates.
   static std::string objection(const Form& form, const std::vector<std::string>& variables);
-  /// Whether q̇ = X, ṡ = g is linear with constant coefficients, of a form that nothing speaks against.
+  /// is_linear tells whether q̇ = X, ṡ = g is linear with constant coefficients, of a form without objection.
   static bool is_linear(const Form& form);
-  /// Null where something speaks against it. `moved`: the parameter that has a slope.
+  /// of returns the lift, or null where there is an objection. `moved` is the parameter along which numbers have
+  /// slopes.
   static std::shared_ptr<const Lift> of(const Form& form, std::span<const double> parameters,
                                         std::optional<std::size_t> moved = {});
 
   std::size_t coordinates = 0;
-  std::size_t width = 0;      ///< of the lifted motion: q, and s where it acts
-  std::size_t variables = 0;  ///< of a point
+  std::size_t width = 0;      ///< dimension of the lifted motion: q, and s where `acts`
+  std::size_t variables = 0;  ///< length of a point y
   bool reads_action = false;  ///< the motion depends on s
   bool acts = false;          ///< g is not 0, or X depends on s
   bool kinetic = false;       ///< M⁻¹ is not 0
@@ -72,11 +75,11 @@ class Lift {
   VariedNumbers inverse_mass;  ///< M⁻¹: its diagonal, or row by row
   bool kicks = false;          ///< V is not 0
   tape::Formula kick;          ///< ∇V and, where the motion reads s, V
-  tape::Formula rates;         ///< X and, where it acts, g
-  tape::Formula jets;          ///< the same with its Jacobian, row by row
+  tape::Formula rates;         ///< X and, where `acts`, g
+  tape::Formula jets;          ///< `rates`, then their Jacobian, row-major
   bool linear = false;         ///< the lifted motion is ẏ = B y + b
   VariedNumbers matrix, offset;
-  Slope parameter = 0;  ///< the one that moves
+  Slope parameter = 0;  ///< the value and slope of the moved parameter
 };
 
 }  // namespace least::text

@@ -12,12 +12,12 @@
 namespace least::text {
 namespace {
 
-/// What a value may depend on; parameters are numbers.
+/// What a value may depend on; parameters are numbers here.
 constexpr tape::Dependence reads_q = 1, reads_p = 2;
 
 constexpr tape::Index most_of_field = 1 << 17;
 
-/// H on a tape of its own. Its variables: coordinates from 0, then momenta.
+/// MagneticField holds H on a tape of its own with the variables q (from 0), then p.
 class MagneticField {
  public:
   MagneticField(const Form& form, std::span<const double> parameters, std::span<const std::string> names)
@@ -30,7 +30,7 @@ class MagneticField {
       return i == of.action ? Symbol(0) : variable(n_ + static_cast<std::size_t>(i - of.momentum));
     });
     energy_ = fold(form.hamiltonian);
-    // Where a Lagrangian is given its momenta are m v + a, with a as it was written.
+    // Where a Lagrangian is given, its momenta are m v + a, from which a is taken as it was written.
     for (const Symbol& p : form.momenta) given_.push_back(at(fold(p), [](std::size_t) { return Symbol(0); }));
   }
   MagneticField(const MagneticField&) = delete;
@@ -69,7 +69,7 @@ class MagneticField {
     return all;
   }
   std::vector<int> places() const { return numbered(0); }
-  /// With something else in the place of the momenta.
+  /// at(y, momenta) returns y with momenta(i) in the place of p_i.
   template <class Momenta>
   Symbol at(const Symbol& y, Momenta&& momenta) {
     return tape::Substitution(tape_, tape_, [&](int i) {
@@ -83,7 +83,7 @@ class MagneticField {
     for (const Symbol& y : all) nodes.push_back(y.on(tape_));
     return {tape_, nodes};
   }
-  /// Of what depends on nothing.
+  /// number(y) returns the value of a symbol that depends on nothing.
   double number(const Symbol& y) {
     const std::vector<double> nowhere(2 * n_, 0.0);
     double value = 0;
@@ -91,7 +91,7 @@ class MagneticField {
     return value;
   }
 
-  /// ∂²H/∂p² is diagonal, of positive numbers.
+  /// find_masses checks that ∂²H/∂p² is diagonal with positive numbers.
   std::string find_masses() {
     slopes_ = tape::gradient(tape_, energy_, numbered(n_));
     for (std::size_t i = 0; i < n_; ++i) {
@@ -116,7 +116,7 @@ class MagneticField {
     return {};
   }
 
-  /// a, which H says as ∂H/∂p = −a/m at p = 0.
+  /// find_shift finds a from ∂H/∂p = −a/m at p = 0.
   std::string find_shift() {
     shift_ = given_;
     if (shift_.empty())
@@ -158,7 +158,7 @@ class MagneticField {
     Symbol forces = 0, turns = 0;
     for (std::size_t i = 0; i < n_; ++i) {
       const std::vector<Symbol> row = tape::gradient(tape_, slopes[i], places());
-      for (std::size_t j = 0; j <= i; ++j) {  // it is symmetric
+      for (std::size_t j = 0; j <= i; ++j) {  // the matrix is symmetric
         if (is_nothing(row[j])) continue;
         const double both = j < i ? 2 : 1, weight = made_.inverse_root[i] * made_.inverse_root[j];
         forces = forces + Symbol(both * weight * weight) * (row[j] * row[j]);

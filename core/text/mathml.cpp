@@ -35,7 +35,7 @@ std::string Expression::mathml(const std::function<std::string(std::string_view)
   struct Piece {
     std::string markup;
     int binds;
-    bool open = false;  // it ends in what reaches as far to the right as it can
+    bool open = false;  // ends in a sum or a product, which extends as far to the right as possible
   };
   const auto row = [](const std::string& a) { return "<mrow>" + a + "</mrow>"; };
   const auto bracketed = [](const Piece& piece, bool wanted) {

@@ -42,10 +42,10 @@ class Parser {
   struct Pending {
     Token token;
     bool bracket = false;
-    std::size_t arguments = 1;  ///< of a bracket, so far
+    std::size_t arguments = 1;  ///< of a bracket: how many arguments it has so far
   };
 
-  /// What waits: of each bracket itself, a function, and what stands before it.
+  /// Bound of the stack: each bracket may hold itself, a function and operations before it.
   static constexpr std::size_t deepest = 5 * most_nesting;
 
   void skip_space() {
@@ -75,7 +75,7 @@ class Parser {
     return stranger();
   }
 
-  /// Signs and powers that wait for what follows nest as brackets do.
+  /// Signs and powers that wait for their operand count as nesting, as brackets do.
   Fault too_deep() const { return {at_, "is nested too deep", std::to_string(most_nesting) + " at most"}; }
 
   std::optional<Fault> open() {
@@ -129,7 +129,7 @@ class Parser {
     return open();
   }
 
-  /// Past `[3]`, if that stands here.
+  /// skip_index() moves past an index such as `[3]`, if one stands here.
   void skip_index() {
     std::size_t to = at_;
     if (to == text_.size() || text_[to++] != '[') return;
@@ -138,7 +138,7 @@ class Parser {
     if (to > digits && to < text_.size() && text_[to] == ']') at_ = to + 1;
   }
 
-  /// The operation that stands here, and how many characters it takes; none where there is none.
+  /// sign() returns the operation that stands here and its number of characters; 0 characters where there is none.
   std::pair<TokenKind, std::size_t> sign() const {
     struct Sign {
       std::string_view text;
@@ -180,7 +180,7 @@ class Parser {
     return std::nullopt;
   }
 
-  /// The number of a kept sum, behind its first term.
+  /// kept_sum reads `#number` behind the first term of a kept sum.
   std::optional<Fault> kept_sum(std::vector<Token>& postfix) {
     std::size_t number = 0;
     const char* from = text_.data() + at_ + 1;
@@ -191,14 +191,14 @@ class Parser {
     return std::nullopt;
   }
 
-  /// What waits up to the last bracket.
+  /// settle moves all operations above the last bracket to the output.
   void settle(std::vector<Token>& postfix) {
     while (!stack_.empty() && !stack_.back().bracket) {
       postfix.push_back(stack_.back().token);
       stack_.pop_back();
     }
   }
-  /// Whether the bracket on top is that of a function.
+  /// calls() tells whether the topmost bracket is that of a function.
   bool calls() const {
     return stack_.size() > 1 && stack_[stack_.size() - 2].token.kind == TokenKind::call &&
            !stack_[stack_.size() - 2].bracket;

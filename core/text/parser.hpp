@@ -1,4 +1,4 @@
-// The grammar of texts: operations by their precedence, functions with their arguments, conditions.
+// The grammar of texts: operations by precedence, functions with arguments, conditions.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace least::text {
 
-/// The tokens of a text of at most so many characters, in postfix order, each a part of the text; or what is wrong.
-/// `sums`: how many kept sums it may speak of.
+/// read_postfix appends the tokens of a text to `postfix` in postfix order, each a view into the text; it returns the
+/// first fault, or nothing. It refuses more than `most` characters, and references to kept sums from number `sums` on.
 std::optional<Fault> read_postfix(std::string_view text, std::size_t most, std::size_t sums,
                                   std::vector<Token>& postfix);
 

@@ -52,7 +52,7 @@ class Finder {
   }
 
  private:
-  /// V as a sum: attractions, and what else there is. False where it is of too many terms.
+  /// take_terms splits V into attractions and the rest. False where V has too many terms.
   bool take_terms() {
     constexpr std::size_t most = 1 << 17;
     if (potential_.is_constant()) return true;
@@ -86,7 +86,7 @@ class Finder {
 
   const std::string& name(int i) const { return names_[static_cast<std::size_t>(i)]; }
 
-  /// Bodies about a fixed place: the coordinates of one stand in one term.
+  /// take_fixed finds bodies about a fixed centre: each term contains the coordinates of one body.
   std::string take_fixed() {
     std::vector<bool> seen(n_);
     for (const Attraction& term : attractions_) {
@@ -110,7 +110,7 @@ class Finder {
     return take_pairs() ? std::string() : between_no_bodies;
   }
 
-  /// Coordinates of one body stand in the same terms, and on axes of their own.
+  /// take_bodies: coordinates of one body appear in the same terms, and on different axes.
   std::string take_bodies() {
     const std::size_t dimension = attractions_.front().axes.size();
     std::vector<std::size_t> axis(n_);
@@ -119,7 +119,7 @@ class Finder {
       while (axis[i] != i) i = axis[i] = axis[axis[i]];
       return i;
     };
-    std::vector<std::vector<std::size_t>> stands(n_);  // in which terms
+    std::vector<std::vector<std::size_t>> stands(n_);  // by coordinate, the terms that contain it
     std::map<std::vector<std::pair<int, int>>, std::size_t> known;
     for (const Attraction& term : attractions_) {
       if (term.axes.size() != dimension) return "its terms −k/r are not all in the plane or all in space";
@@ -143,7 +143,7 @@ class Finder {
     if (!take_pairs()) return between_no_bodies;
     return take_centre();
   }
-  /// Of two bodies all coordinates stand in the same term: those of one have one mass.
+  /// take_two: with two bodies, one term contains all coordinates, and equal masses tell the bodies apart.
   void take_two(const Attraction& term) {
     const auto mass = [&](int i) { return masses_[static_cast<std::size_t>(i)]; };
     found_.bodies.resize(2);
@@ -155,7 +155,8 @@ class Finder {
       found_.bodies[1].coordinates[k] = static_cast<std::size_t>(b);
     }
   }
-  /// False where those that stand in the same terms are not one of each axis.
+  /// take_same groups coordinates that appear in the same terms. False where a group does not have one coordinate for
+  /// each axis.
   template <class Root>
   bool take_same(std::vector<std::vector<std::size_t>>& stands, std::size_t dimension, const Root& root) {
     std::map<std::vector<std::size_t>, std::vector<std::size_t>> groups;
@@ -171,7 +172,7 @@ class Finder {
     for (const auto& group : in_order) {
       if (group.size() != dimension) return false;
       Planetary::Body& body = found_.bodies.emplace_back();
-      for (const std::size_t i : group) {  // on each axis in the order of the first body
+      for (const std::size_t i : group) {  // axes are ordered as those of the first body
         std::size_t k = 0;
         while (k < dimension && root(in_order.front()[k]) != root(i)) ++k;
         if (k == dimension || body.coordinates[k] != Planetary::no_axis) return false;
@@ -187,9 +188,10 @@ class Finder {
     return name(static_cast<int>(missing - seen.begin())) + " stands in no term −k/r";
   }
 
-  /// Those between two bodies. False where one is not.
+  /// take_pairs reads the attraction of each pair of bodies. False where a term is none.
   bool take_pairs() {
-    std::vector<std::pair<std::size_t, std::size_t>> place(n_);  // which body, which of its coordinates
+    // by coordinate: its body, and which axis of the body it is
+    std::vector<std::pair<std::size_t, std::size_t>> place(n_);
     for (std::size_t b = 0; b < found_.bodies.size(); ++b)
       for (std::size_t k = 0; k < 3; ++k)
         if (const std::size_t i = found_.bodies[b].coordinates[k]; i != Planetary::no_axis) place[i] = {b, k};
@@ -215,7 +217,7 @@ class Finder {
     return true;
   }
 
-  /// The heaviest of those that pull at all others: it becomes the first.
+  /// take_centre moves the heaviest of the bodies that attract all others to the front.
   std::string take_centre() {
     auto& bodies = found_.bodies;
     std::vector<std::size_t> pulls(bodies.size());
@@ -272,9 +274,9 @@ class Finder {
   std::size_t n_;
   tape::Tape tape_;
   Symbol potential_;
-  std::vector<double> masses_;  ///< of coordinates
+  std::vector<double> masses_;  ///< by coordinate
   std::vector<Attraction> attractions_;
-  std::vector<std::pair<Index, double>> rest_;  ///< terms, and by what they are multiplied
+  std::vector<std::pair<Index, double>> rest_;  ///< terms, and the factor of each
   Planetary found_;
 };
 

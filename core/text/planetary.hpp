@@ -1,7 +1,7 @@
-// A scene as text as bodies that revolve: H = Σ p²/2m + V whose V has a term −k/r for each of them, about one body that
-// is heavier than all or about a fixed point, and what else there is beside. It is found from V alone, however it is
-// written: terms c (Σ of squares of differences)^(−1/2), in the plane or in space. Which coordinates are those of one
-// body follows from the terms that they stand in.
+// Orbiting bodies in a scene given as text: H = Σ p²/2m + V, where V has a term −k/r for each body, about a body that
+// is heavier than all others or about a fixed point, and further terms. This is recognised in V alone, however it is
+// written, by terms c (Σ of squared differences)^(−1/2) in the plane or in space. Which coordinates belong to one body
+// follows from the terms that contain them.
 #pragma once
 
 #include <array>
@@ -19,31 +19,32 @@ namespace least::text {
 struct Planetary {
   static constexpr std::size_t no_axis = std::numeric_limits<std::size_t>::max();
 
-  /// The first is the centre, where that is a body.
+  /// One of the bodies. The first is the centre, where the centre is a body.
   struct Body {
     std::array<std::size_t, 3> coordinates{no_axis, no_axis, no_axis};
     double mass = 1;
-    double strength = 0;  ///< k of −k/r to the centre; of the centre itself 0
+    double strength = 0;  ///< k of the term −k/r to the centre; 0 for the centre itself
   };
   std::vector<Body> bodies;
   bool about_body = false;
-  std::array<double, 3> centre{};  ///< where it is no body
+  std::array<double, 3> centre{};  ///< the fixed centre, where it is no body
 
-  /// −k/r between two that revolve.
+  /// Pair is a term −strength/r between two orbiting bodies a and b.
   struct Pair {
     std::size_t a, b;
     double strength;
   };
   std::vector<Pair> pairs;
-  tape::Formula rest;  ///< the slopes of what else V has, by every coordinate of the scene; no outputs: nothing
+  /// ∂/∂q_i of the rest of V, for every coordinate of the scene; without outputs where there is no rest
+  tape::Formula rest;
 };
 
-/// Why a scene is none, in words.
+/// NotPlanetary says in words why a scene has no such form.
 struct NotPlanetary {
   std::string why;
 };
 
-/// Of a form with these parameters; `names`: of its coordinates.
+/// planetary returns the bodies of a form with these parameters; `names` are those of its coordinates, for the message.
 std::variant<Planetary, NotPlanetary> planetary(const Form& form, std::span<const double> parameters,
                                                 std::span<const std::string> names);
 

@@ -17,7 +17,7 @@ using tape::Op;
 
 constexpr std::size_t longest = 2000;
 
-/// A text and how tightly it binds: 1 sums, 2 products, 3 a minus, 4 powers, 5 what needs no brackets.
+/// Piece is a text and its precedence: 1 sum, 2 product, 3 unary minus, 4 power, 5 needs no brackets.
 struct Piece {
   std::string text;
   int binds = 5;
@@ -30,7 +30,7 @@ std::string number(double x) {
 }
 Piece constant(double x) { return {number(x), x < 0 ? 3 : 5}; }
 
-/// Joined without a literal in front of a text that may be moved, which g++ 12 takes for an overrun.
+/// joined concatenates without moving from a literal, which g++ 12 reports as an overrun.
 std::string joined(std::initializer_list<std::string_view> parts) {
   std::string text;
   for (const std::string_view part : parts) text.append(part);
@@ -38,11 +38,12 @@ std::string joined(std::initializer_list<std::string_view> parts) {
 }
 std::string in(const Piece& x, int tighter) { return x.binds < tighter ? joined({"(", x.text, ")"}) : x.text; }
 
-/// `-x`, and what is left of it.
+/// negative(x) tells whether x is `-…`; without_sign removes that sign.
 bool negative(const Piece& x) { return x.binds == 3; }
 Piece without_sign(const Piece& x) { return negative(x) ? Piece{x.text.substr(1), 3} : x; }
 
-/// Brackets within brackets, of which a text has more than it was read from: one for each minus in an exponent.
+/// nesting(text) returns the depth of brackets; a printed text may be nested deeper than the text it was read from, by
+/// one for each minus in an exponent.
 std::size_t nesting(std::string_view text) {
   std::size_t open = 0, most = 0;
   for (const char c : text) {
@@ -52,20 +53,20 @@ std::size_t nesting(std::string_view text) {
   return most;
 }
 
-/// Whether a choice is that between −x and x.
+/// is_absolute tells whether a select chooses between −x and x.
 bool is_absolute(const tape::Tape& tape, const Node& choice) {
   const Node& negated = tape[choice.b];
   return choice.a == choice.c && negated.op == Op::multiply && negated.b == choice.c &&
          tape[negated.a].op == Op::constant && tape[negated.a].value == -1;
 }
 
-/// Whether it is what a choice adds so that it is no number where what it is made by is none.
+/// is_zero_node recognises the term 0·x that a select adds, so that its value is NaN where x is.
 bool is_zero_node(const tape::Tape& tape, Index place) {
   const Node& node = tape[place];
   return node.op == Op::multiply && tape[node.a].op == Op::constant && tape[node.a].value == 0;
 }
 
-/// `part(i)`: what a node before it is printed as.
+/// of_node prints one node; part(i) is the text of an earlier node.
 template <class Part>
 Piece of_node(const tape::Tape& tape, Index place, Part&& part, const std::function<std::string(int)>& name) {
   const Node& node = tape[place];

@@ -1,4 +1,4 @@
-// What stands on a tape as text that the parser reads back.
+// Symbols on a tape as text that the parser reads back.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@
 
 namespace least::text {
 
-/// The function of one number that an operation is, as it is typed: `sin`; nothing where it is none.
+/// function_name returns the name of a function of one argument as it is typed, `sin`; nothing for any other operation.
 std::optional<std::string_view> function_name(tape::Op op);
 
-/// `name`: of a variable by its number. What would be longer than a few thousand characters, or nested deeper than the
-/// parser takes, is `…`.
+/// print returns y as text; `name` returns the name of a variable by its number. A text that would have more than a few
+/// thousand characters, or deeper brackets than the parser accepts, is replaced by `…`.
 std::string print(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name);
 
 }  // namespace least::text

@@ -11,7 +11,7 @@
 namespace least::text {
 namespace {
 
-/// The inverse of a full constant metric is given, or short enough to be said.
+/// says_inverse tells whether the inverse of a full constant metric is given, or short enough to be written.
 bool says_inverse(const Form& form) {
   if (form.momenta.empty() || form.coordinates <= 2) return true;
   for (std::size_t i = 0; i < form.hessian.size(); ++i)
@@ -19,20 +19,21 @@ bool says_inverse(const Form& form) {
       if (!entry.value.is_constant()) return false;
   return true;
 }
-/// Its equations are said with velocities: with momenta they would need an inverse, or an iteration.
+/// in_velocities tells whether the equations are written with velocities: with momenta they would need an inverse, or
+/// an iteration.
 bool in_velocities(const Form& form) {
   return form.kind == FormKind::metric || form.kind == FormKind::lagrangian || (form.full_mass && !says_inverse(form));
 }
-/// The inverse of its metric is short enough to be said.
+/// solved_for_accelerations tells whether the inverse of a metric that depends on q is short enough to be written.
 bool solved_for_accelerations(const Form& form) { return form.kind == FormKind::metric && form.coordinates <= 2; }
 
-/// On the tape, ẋ and ṗ of a form; ṡ where the motion reads s.
+/// Rates are ẋ and ṗ of a form on a tape; ṡ where the motion reads s.
 struct Rates {
   tape::Tape tape;
   std::vector<std::pair<std::string, Symbol>> all;
 };
 
-/// What forces add to ṗ with velocities and momenta in the place of what the texts know.
+/// forces_of returns what forces add to ṗ; v and p replace the velocities or momenta that the texts read.
 std::vector<Symbol> forces_of(const Form& form, Rates& rates, const std::vector<Symbol>& v,
                               const std::vector<Symbol>& p) {
   const std::size_t n = form.coordinates;
@@ -49,7 +50,8 @@ std::vector<Symbol> forces_of(const Form& form, Rates& rates, const std::vector<
   return all;
 }
 
-/// v̇ = g⁻¹(−∇V + F − Γ v v), Γ_i,jk = ½(∂_j g_ik + ∂_k g_ij − ∂_i g_jk), of one coordinate or two.
+/// write_accelerations writes v̇ = g⁻¹(−∇V + F − Γ v v), Γ_i,jk = ½(∂_j g_ik + ∂_k g_ij − ∂_i g_jk), for one or two
+/// coordinates.
 void write_accelerations(const Definition& given, const Form& form, Rates& rates, tape::Substitution& copy) {
   auto& tape = rates.tape;
   const std::size_t n = form.coordinates;
@@ -73,7 +75,7 @@ void write_accelerations(const Definition& given, const Form& form, Rates& rates
     Symbol sum = beside[i] - potential[i];
     for (std::size_t j = 0; j < n; ++j) {
       sum = sum + (i == j ? Symbol(-0.5) * by(i, i, i) : Symbol(0.5) * by(i, j, j) - by(j, i, j)) * (v[j] * v[j]);
-      for (std::size_t k = j + 1; k < n; ++k)  // of two, one is i
+      for (std::size_t k = j + 1; k < n; ++k)  // of two coordinates, j or k is i
         sum = sum - by(i == j ? k : j, i, i) * (v[j] * v[k]);
     }
     force.push_back(sum);
@@ -91,7 +93,7 @@ void write_accelerations(const Definition& given, const Form& form, Rates& rates
   add(1, (g[0] * force[1] - g[2] * force[0]) / determinant);
 }
 
-/// g⁻¹p of a full constant metric g of a Lagrangian, whose inverse can be said.
+/// full_velocities returns g⁻¹p for a constant non-diagonal g of a Lagrangian, whose inverse is short enough.
 std::vector<Symbol> full_velocities(const Form& form, Rates& rates, tape::Substitution& copy) {
   const std::size_t n = form.coordinates;
   std::vector<Symbol> p;
@@ -132,7 +134,7 @@ void write_rates(const Definition& given, const Form& form, Rates& rates) {
     momenta.push_back(form.numbers.momentum + static_cast<int>(i));
   }
   const Symbol s = same(form.numbers.action);
-  Symbol of_action = 0;  // what s adds to H of a natural form
+  Symbol of_action = 0;  // terms with s of H of a natural form
   if (form.kind == FormKind::contact_linear) of_action = copy(form.damping) * s;
   if (form.kind == FormKind::contact_quadratic)
     of_action = Symbol(0.5) * copy(form.action_curvature) * (s * s) - copy(form.offset);
@@ -210,10 +212,10 @@ TextScene::Said TextScene::equations() const try {
   const std::shared_ptr<const Form> plain = with_sums_written_out(form);
   if (!plain) return equations_in_short();
   Rates rates;
-  // The equations of a scene are bounded; the energy from which they are derived here stands on the same tape.
+  // The limit of a scene's equations does not include the energy from which they are derived here, on the same tape.
   rates.tape.bound(2 * SizedScene::most_equations);
   write_rates(definition, *plain, rates);
-  const bool velocities = in_velocities(*form);  // which looks at all masses
+  const bool velocities = in_velocities(*form);  // computed once: it looks at all masses
   const auto name = [&](int i) -> std::string {
     const Numbering& numbers = form->numbers;
     if (i >= numbers.parameter) return definition.parameters[static_cast<std::size_t>(i - numbers.parameter)].first;
@@ -223,14 +225,15 @@ TextScene::Said TextScene::equations() const try {
     return velocities ? velocity_name(coordinate) : momentum_name(coordinate);
   };
   Said texts;
-  std::size_t left = most_looked_at;  // once there is nothing left, none is gone through
+  // operations of rates that may still be searched; a rate that exceeds them is shown as …
+  std::size_t left = most_looked_at;
   for (const auto& [of, rate] : rates.all) {
     const std::size_t parts = rate.is_constant() ? 0 : left == 0 ? 1 : tape::parts_of(rates.tape, rate.place()).size();
     texts.emplace_back(of, parts > left ? "…" : print_collected(rates.tape, rate, name));
     left -= std::min(parts, left);
   }
   return texts;
-} catch (const tape::TooManyOperations&) {  // as of a full inverse of many masses
+} catch (const tape::TooManyOperations&) {  // such as the full inverse of a matrix of many masses
   return equations_in_short();
 }
 

@@ -25,7 +25,7 @@ std::string number_text(double x) {
   return {digits.data(), std::to_chars(digits.begin(), digits.end(), x).ptr};
 }
 
-/// The entries of a matrix, row by row.
+/// entries_of returns the stored entries of a matrix, row by row.
 std::vector<Symbol> entries_of(const SymbolMatrix& matrix) {
   std::vector<Symbol> all;
   for (std::size_t i = 0; i < matrix.size(); ++i)
@@ -48,7 +48,8 @@ TextScene TextScene::of(Definition definition, std::shared_ptr<const Form> form)
 
 std::shared_ptr<const SizedScene> TextScene::sized(std::span<const double> parameters) const {
   if (!known) return made->with(*form, parameters);
-  const HeldByThread nobody(nullptr);  // a problem of the catalogue stays when a request is over
+  // not charged to the request: a problem of the catalogue stays in memory when the request is over
+  const HeldByThread nobody(nullptr);
   return made->with(*form, parameters);
 }
 
@@ -70,7 +71,8 @@ ProblemCard TextScene::described() const {
     const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
     if (acting && !rests) {
       add("s", "action");
-      const Symbol& found = form->lagrangian;  // of a general H: s adds friction to it, which moves q and p without s
+      // of a general H: L, if s only adds friction to it and q and p move without s
+      const Symbol& found = form->lagrangian;
       const bool damped = form->kind == FormKind::hamiltonian && !(found.is_constant() && found.constant() == 0);
       card.variables.back().optional = !form->reads_action || damped;
     }
@@ -272,7 +274,7 @@ std::string TextScene::objection_to_masses(std::span<const double> parameters, d
   std::vector<double> numbers(hessian.outputs());
   hessian.evaluate(x.data(), t, numbers.data());
   const auto here = BlockMatrix(form->hessian, numbers).regularity();
-  // Velocities that were found from momenta may miss the place where it vanishes by a little.
+  // Velocities found from momenta may be slightly off the place where the determinant vanishes.
   double nearby = -std::numeric_limits<double>::infinity();
   for (const double aside : {-1e-6, 1e-6}) {
     if (form->kind != FormKind::lagrangian) break;

@@ -12,7 +12,7 @@
 namespace least::text {
 namespace {
 
-/// ½ vᵀg(q)v − V(q), with velocities in the places of momenta.
+/// lagrangian_of returns ½ vᵀg(q)v − V(q), with velocities in the places of momenta.
 Symbol lagrangian_of(const Form& form, Folding& fold) {
   Symbol l = -fold(form.potential);
   const std::size_t n = form.coordinates;
@@ -63,7 +63,7 @@ void Formulas::set_full_mass(std::vector<double> given, bool of_velocities) {
   detail::invert(n, inverse.data());
   Mat<compiled_coordinates>&known = of_velocities ? mass_matrix : inverse_mass_matrix,
   &found = of_velocities ? inverse_mass_matrix : mass_matrix;
-  // Drifts are symplectic where the matrix is symmetric to the last bit.
+  // Symmetrized exactly: drifts are symplectic only where the matrix is exactly symmetric.
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) {
       known[i][j] = 0.5 * (given[i * n + j] + given[j * n + i]);

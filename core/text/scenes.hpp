@@ -1,7 +1,7 @@
-// Scenes of few coordinates as text as problems: one class for each form, generic in the number as every problem is.
-// Degrees of freedom are a capacity N: coordinates that a text has not rest at zero with unit mass, which changes no
-// other. Steps that lanes take are written down from them, and references of motions that have no series; steps of a
-// run are those of core/text/sized_scene.hpp. A value shares what it evaluates with its copies.
+// Scenes of few coordinates given as text, as problems: one class for each form, generic in the number type as every
+// problem is. The degrees of freedom N are a capacity: coordinates that the text does not have rest at zero with unit
+// mass and influence no other. Steps of lanes are traced from these classes, and so are references of motions without
+// series; ordinary runs use core/text/sized_scene.hpp. Copies of a value share its formulas.
 #pragma once
 
 #include <memory>
@@ -14,32 +14,32 @@
 
 namespace least::text {
 
-/// Numbers of variables on the tapes of forms that are compiled.
+/// Numbers of the variables on the tapes of compiled forms.
 inline constexpr int first_momentum = Numbering{}.momentum, action_variable = Numbering{}.action,
                      first_parameter = Numbering{}.parameter;
 
-/// A form with numbers in the place of its parameters.
+/// Formulas is a form with numbers in the place of its parameters.
 struct Formulas {
   Formulas(const Form& form, std::span<const double> parameters);
 
   std::size_t coordinates = 0;
   bool reads_action = false;
   tape::Formula potential, gradient, damping, metric, rates, invariants;
-  tape::Formula force;                ///< of (q, v), where the metric depends on q: ∂L/∂q
-  tape::Formula hamiltonian, slopes;  ///< of (q, p, s): H; H_q, H_p, H_s
-  std::shared_ptr<const Lift> lift;   ///< of a general Hamiltonian that has one
+  tape::Formula force;                ///< ∂L/∂q as a function of (q, v), where the metric depends on q
+  tape::Formula hamiltonian, slopes;  ///< functions of (q, p, s): H; and (H_q, H_p, H_s)
+  std::shared_ptr<const Lift> lift;   ///< of a general Hamiltonian that has a lift, else null
   std::array<double, compiled_coordinates> inverse_mass{};
-  /// The constant metric g and its inverse, where g is not diagonal: their first `coordinates` rows and columns.
+  /// Where g is constant and not diagonal: g and its inverse, in the first `coordinates` rows and columns.
   bool full_mass = false;
   Mat<compiled_coordinates> mass_matrix{}, inverse_mass_matrix{};
   double alpha = 0, gamma = 0, offset = 0;
 
  private:
-  /// From ∂²L/∂v² or ∂²H/∂p², row by row.
+  /// set_full_mass takes ∂²L/∂v² (`of_velocities`) or ∂²H/∂p², row-major.
   void set_full_mass(std::vector<double> given, bool of_velocities);
 };
 
-/// What is the same for all mechanics.
+/// Mechanical is the common part of all mechanics with a potential.
 template <int N>
 struct Mechanical {
   static constexpr int dof = N;
@@ -68,7 +68,7 @@ struct Mechanical {
   }
 };
 
-/// A constant metric: a mass for every coordinate, or a full matrix.
+/// ConstantMass has a constant metric: a mass for every coordinate, or a full matrix.
 template <int N>
 struct ConstantMass : Mechanical<N> {
   Vec<N> inverse_mass() const {
@@ -87,7 +87,7 @@ struct ConstantMass : Mechanical<N> {
   }
 
  private:
-  /// Coordinates that the scene has not keep their unit mass.
+  /// Coordinates that the scene does not have keep their unit mass.
   template <class T>
   Vec<N, T> times(const Mat<compiled_coordinates>& matrix, const Vec<N, T>& x) const {
     Vec<N, T> y = x;
@@ -147,7 +147,7 @@ struct MetricScene : Mechanical<N> {
       for (std::size_t j = 0; j < n; ++j) g[i][j] = entries[i * n + j];
     return g;
   }
-  /// ∂L/∂q. Its scene outlives it.
+  /// Forces is ∂L/∂q as a function of (q, v). It must not outlive its scene.
   struct Forces {
     const Formulas* formulas = nullptr;
     template <class T>
@@ -162,7 +162,7 @@ struct MetricScene : Mechanical<N> {
   Forces forces() const { return {this->formulas.get()}; }
 };
 
-/// Both halves of a state and s, as the tapes of forms count them.
+/// joined returns (q, p, s) in the numbering of the forms' tapes.
 template <class T>
 std::array<T, std::size_t(first_parameter)> joined(const Vec<compiled_coordinates, T>& q,
                                                    const Vec<compiled_coordinates, T>& p, const T& s) {
@@ -172,7 +172,7 @@ std::array<T, std::size_t(first_parameter)> joined(const Vec<compiled_coordinate
   return x;
 }
 
-/// What is the same where only H is known.
+/// GeneralScene is the common part of forms of which H alone is known.
 struct GeneralScene {
   static constexpr int dof = compiled_coordinates;
   static constexpr bool reads_time = true;

@@ -1,4 +1,4 @@
-// What scenes of any size make of a Lagrangian.
+// SizedScene's members that work with Lagrangians and with metrics that depend on q.
 #include <algorithm>
 #include <numeric>
 
@@ -10,7 +10,7 @@
 namespace least::text {
 namespace {
 
-/// x with A x = b in the place of b, block by block; `entries`: of A, which blocks number from 1 on.
+/// eliminate solves A x = b block by block, x replacing b; the blocks number the `entries` of A from 1 on.
 void eliminate(const std::vector<BlockMatrix::Block>& blocks, const std::vector<Symbol>& entries, Symbol* b) {
   for (const BlockMatrix::Block& block : blocks) {
     std::vector<Symbol> matrix, right;
@@ -24,7 +24,7 @@ void eliminate(const std::vector<BlockMatrix::Block>& blocks, const std::vector<
 
 }  // namespace
 
-/// q̇ = g⁻¹p and ṗ = ∂L/∂q there.
+/// q̇ = g⁻¹p, and ṗ = ∂L/∂q at that velocity.
 std::vector<Symbol> SizedScene::set_metric(const Form& form, tape::Substitution& fold) {
   const std::size_t n = coordinates;
   const auto variable = [&](std::size_t i) { return Symbol::variable(equations, i); };
@@ -35,7 +35,7 @@ std::vector<Symbol> SizedScene::set_metric(const Form& form, tape::Substitution&
   std::vector<Symbol> entries;
   for (std::size_t i = 0; i < n; ++i)
     for (const auto& [j, entry] : form.metric.row(i)) {
-      const bool known = j < i;  // it is symmetric
+      const bool known = j < i;  // the metric is symmetric
       entries.push_back(fold(known ? form.metric.at(j, i) : entry));
       if (!known) kinetic = kinetic + ((i == j ? 0.5 : 1.0) * (entries.back() * variable(n + i))) * variable(n + j);
     }
@@ -48,7 +48,7 @@ std::vector<Symbol> SizedScene::set_metric(const Form& form, tape::Substitution&
   lowered = formula_of(all_slopes);
   potential = formula_of({v});
   gradient = formula_of(slopes);
-  const auto with = [&](const std::vector<Symbol>& velocity) {  // q̇, ṗ, and H
+  const auto with = [&](const std::vector<Symbol>& velocity) {  // q̇, ṗ, H for this velocity
     std::vector<Symbol> all = velocity, at(2 * n);
     all.resize(2 * n);
     Symbol twice_kinetic = 0;
@@ -102,7 +102,7 @@ std::vector<Symbol> SizedScene::with_slopes(const Symbol& value) {
 
 /// Herglotz's equations d(∂L/∂v)/dt = ∂L/∂q + ∂L/∂s ∂L/∂v, solved for v̇.
 std::vector<Symbol> SizedScene::set_lagrangian(const Form& form, tape::Substitution& fold) {
-  using Along = Dual<Symbol, 1>;  // the motion, but for v
+  using Along = Dual<Symbol, 1>;  // a derivative along the motion of q, s and t, with v fixed
   const std::size_t n = coordinates;
   const std::vector<Symbol> slopes = with_slopes(fold(form.lagrangian));
   lagrangian = formula_of(slopes);

@@ -12,7 +12,7 @@
 namespace least::text {
 namespace {
 
-/// A sum without the numbers among its terms, and what these add up to.
+/// without_numbers returns a sum without its constant terms, and the total of these.
 std::pair<Symbol, double> without_numbers(tape::Tape& tape, const Symbol& sum) {
   struct Term {
     Symbol value;
@@ -43,8 +43,8 @@ std::pair<Symbol, double> without_numbers(tape::Tape& tape, const Symbol& sum) {
 
 namespace {
 
-/// Of a general H whether the motion of q and p needs no s, which is there: a Lagrangian has been found that s adds
-/// α(t) s to.
+/// is_damped_metric tells whether a general H has an s that the motion of q and p does not need: form.hpp keeps the
+/// Lagrangian to which s adds α(t) s.
 bool is_damped_metric(const Form& form) {
   return form.kind == FormKind::hamiltonian && !(form.lagrangian.is_constant() && form.lagrangian.constant() == 0);
 }
@@ -67,7 +67,7 @@ SizedScene::SizedScene(const Form& form, std::span<const double> parameters)
   components = flow ? n : 2 * n + (acting ? 1 : 0);
   moving = kind == FormKind::contact_linear || is_damped_metric(form) ? 2 * n : components;
   equations.bound(most_equations);
-  // Of its tape alone; what is made of that is held as soon as it is known how long it is.
+  // For the tape alone; formulas are charged once their length is known.
   constexpr std::size_t bytes_of_typed = 96;
   held_.add_soon(bytes_of_typed * static_cast<std::size_t>(form.tape.size()));
   const auto variable = [&](std::size_t i) { return Symbol::variable(equations, i); };
@@ -223,13 +223,13 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
     const auto k = static_cast<std::size_t>(i);
     return k < n ? Symbol::variable(equations, k) : Symbol(0);
   });
-  // A force may jump where the two sides of a switch are not the same at rest, as those of |v| are.
+  // A force may jump where the two branches of a select differ at rest; those of |v| do not.
   const auto jumps_at_rest = [&](const tape::Node& node) {
     const Symbol below = at_rest(Symbol::at(equations, node.b)), above = at_rest(Symbol::at(equations, node.c));
     if (below.is_constant() && above.is_constant()) return below.constant() != above.constant();
     return below.is_constant() || above.is_constant() || below.place() != above.place();
   };
-  // All that switches with momenta is a part of forces. As dry friction, −sign(v): its slopes are 0, and it is not
+  // Every select that reads momenta is a part of a force. Dry friction, −sign(v), has slopes 0 although it is not
   // linear.
   std::vector<tape::Index> jumps;
   for (tape::Index i = 0, written = equations.size(); i < written; ++i) {
@@ -240,13 +240,13 @@ void SizedScene::set_forces(const std::vector<Symbol>& all) {
   }
   if (!jumps.empty()) set_jumps(all, jumps);
   std::vector<Symbol> full = all, diagonal = all;
-  bool rests = true;  // no force where nothing moves
+  bool rests = true;  // forces vanish at rest
   std::size_t left = most_looked_at;
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<std::pair<std::size_t, Symbol>> row;
     try {
       row = tape::slopes_of(equations, all[i], static_cast<int>(n), n, left);
-    } catch (const tape::TooManyOperations&) {  // too much is coupled to be solved for
+    } catch (const tape::TooManyOperations&) {  // too many coordinates are coupled for implicit equations
       forces.linear = forces.diagonal = forces.constant = false;
       return;
     }
@@ -277,7 +277,8 @@ void SizedScene::set_jumps(const std::vector<Symbol>& all, const std::vector<tap
   std::size_t left = most_looked_at;
   const auto parts_of = [&](tape::Index place) {
     std::vector<tape::Index> parts = tape::parts_of(equations, place);
-    forces.jumps_alone = forces.jumps_alone && parts.size() <= left;  // what is too long to look at may read any
+    // forces that are too long to search might read any momentum
+    forces.jumps_alone = forces.jumps_alone && parts.size() <= left;
     left -= std::min(left, parts.size());
     return parts;
   };
@@ -302,7 +303,7 @@ void SizedScene::set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& h
   for (std::size_t i = 0; i < mass.size(); ++i)
     inverse_mass_[i] = mass[i].is_constant() ? 1 / mass[i].constant() : std::numeric_limits<double>::quiet_NaN();
   if (second.empty()) return;
-  // Drifts are symplectic where it is symmetric to the last bit.
+  // Symmetrized exactly: drifts are symplectic only where the matrix is exactly symmetric.
   inverse_matrix_.resize(n);
   if (of_velocities) {
     BlockMatrix inverse(hessian, second);
@@ -331,7 +332,7 @@ void SizedScene::set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& h
 const tape::SparseJacobian& SizedScene::curvature() const {
   std::call_once(curvature_->made, [&] {
     const HeldByThread same(budget_);
-    // What each operation reads, a bit for each coordinate; then the entries.
+    // For each operation a bit per coordinate that it reads; then the entries.
     Held held = HeldByThread::take_soon(static_cast<std::size_t>(equations.size()) * (coordinates / 8 + 1));
     auto made = std::make_unique<const tape::SparseJacobian>(equations, slopes_, coordinates,
                                                              tape::SparseJacobian::Kind::hessian);
@@ -371,7 +372,7 @@ const tape::Program& SizedScene::series(bool all) const {
     if (!from) throw tape::TooManyOperations();
     const auto size = static_cast<std::size_t>(from->tape.size());
     Held held = HeldByThread::take_soon(meanwhile * size);
-    // What is carried beside the motion has no say in the steps.
+    // Components that the motion does not read have no influence on step sizes.
     known.of.emplace(from->tape, from->rates.first(count + found()), found() > 0 ? count + found() : moving);
     held.shrink_to(bytes_of_operation * size);
     known.held = std::move(held);

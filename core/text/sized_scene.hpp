@@ -1,7 +1,7 @@
-// The mechanics of a scene as text of any size, which is known when it runs. Components of a state stand one after the
-// other: coordinates, momenta, and s where the scene has it; of a flow its variables; of a forced scene at last the
-// work of the forces. What the motion does not need, as the s of a damped scene, comes last. Variables on the tapes
-// have the same numbers.
+// The mechanics of a scene given as text, with a size that is known at run time only. The components of a state are
+// coordinates, momenta, and s where the scene has it; for a flow, its variables; a forced scene has the work of the
+// forces as its last component. Components that the motion does not read, such as the s of a damped scene, come last.
+// Variables on the tapes have the numbers of these components.
 #pragma once
 
 #include <memory>
@@ -19,8 +19,8 @@
 
 namespace least::text {
 
-/// A formula of a state; where velocities are found from momenta when it runs, of these as well, as variables that
-/// stand behind the state.
+/// StateFormula is a formula of a state. Where velocities have to be found from momenta at run time, its formula also
+/// reads these velocities, as variables behind the state.
 class StateFormula {
  public:
   StateFormula() = default;
@@ -46,75 +46,80 @@ class StateFormula {
   std::shared_ptr<const Velocities> velocities_;
 };
 
-/// A form with numbers in the place of its parameters.
+/// SizedScene is a form with numbers in the place of its parameters: its equations of motion, and formulas of H, L, V,
+/// the metric and the forces.
 class SizedScene {
  public:
-  /// Operations of its equations of motion, with their common parts written once.
+  /// Limit of operations of the equations of motion, with common subexpressions written once.
   static constexpr tape::Index most_equations = 1 << 18;
 
-  /// Coordinates up to which equations for momenta are solved where forces read those of other coordinates.
+  /// Limit of coordinates up to which implicit equations for momenta are solved where a force reads momenta of other
+  /// coordinates than its own.
   static constexpr std::size_t most_coupled = 64;
 
-  /// Coordinates up to which schemes solve equations whose matrix is taken for a full one.
+  /// Limit of coordinates up to which schemes solve equations with a dense matrix.
   static constexpr std::size_t most_full = 256;
 
-  /// The same where the matrix has a row for each coordinate, and is made anew once in a few rounds.
+  /// The same limit where the mass matrix is dense; the matrix is then remade only once in a few iterations.
   static constexpr std::size_t most_with_full_mass = 256;
 
-  /// Whether there is one of a form: of any but a Lagrangian that couples too many velocities.
+  /// has(form) tells whether there is a SizedScene of a form: of every form but a Lagrangian that couples too many
+  /// velocities.
   static bool has(const Form& form);
-  /// Of such a form. Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
+  /// Takes a form with has(form). Throws tape::TooManyOperations where its equations of motion exceed most_equations.
   SizedScene(const Form& form, std::span<const double> parameters);
 
   FormKind kind;
   std::size_t coordinates, components;
-  std::size_t moving;  ///< components that the motion needs, the first ones
+  std::size_t moving;  ///< the number of components that the motion needs; they come first
   bool flow, forced, acting, reads_action, constant_damping, autonomous, keeps_energy;
 
-  tape::Tape equations;            ///< ẋ of all components
-  std::vector<tape::Index> rates;  ///< their places; behind them v̇ of velocities that are found from momenta
-  StateFormula rate;               ///< ẋ of the components
+  tape::Tape equations;            ///< the tape of all symbols; ẋ of all components is at `rates`
+  std::vector<tape::Index> rates;  ///< places of ẋ on `equations`, then of v̇ of velocities that are found from momenta
+  StateFormula rate;               ///< ẋ of all components
   tape::Formula potential, gradient, damping;
-  double constant_potential = 0;         ///< the sum of the numbers among the terms of V, of a conservative scene
-  tape::Formula varying_potential;       ///< V without them, where there are any
-  tape::Formula potential_and_gradient;  ///< V, ∇V of no more than tape::SparseJacobian::few coordinates; else none
-  StateFormula hamiltonian;              ///< where the motion reads s, and of general mechanics: H, and H_s
-  /// Of (q, v, s) L, L_q, L_v, L_s where steps are made of them: of a general Lagrangian, of one whose metric depends
-  /// on the place, and of a scene quadratic in s with no more than most_full coordinates.
+  double constant_potential = 0;    ///< of a conservative scene: the sum of the constant terms of V
+  tape::Formula varying_potential;  ///< V without its constant terms, where there are any
+  /// V and ∇V of at most tape::SparseJacobian::few coordinates; else without outputs
+  tape::Formula potential_and_gradient;
+  StateFormula hamiltonian;  ///< H and H_s, where the motion reads s and of general mechanics
+  /// Function of (q, v, s): L, L_q, L_v, L_s. Made where steps need it: for a general Lagrangian, for a metric that
+  /// depends on q, and for a scene with γs²/2 or with friction beside a general H, of at most most_full coordinates.
   tape::Formula lagrangian;
-  std::shared_ptr<const Velocities> velocities;  ///< that are found from momenta; else null
-  // Where the metric depends on the place:
+  std::shared_ptr<const Velocities> velocities;  ///< solves ∂L/∂v = p for v; null where velocities are explicit
+  // Where the metric depends on q:
   StateFormula raised;                      ///< g⁻¹p
-  tape::Formula lowered;                    ///< of (q, v): L and g v
-  double action_curvature = 0, offset = 0;  ///< γ and R of such a scene, else 0
-  std::shared_ptr<const Lift> lift;         ///< of a general Hamiltonian that has one
-  tape::Formula invariants;                 ///< most_invariants; those that the scene has not are 0
+  tape::Formula lowered;                    ///< function of (q, v): L, then g v
+  double action_curvature = 0, offset = 0;  ///< γ and R of a scene with H = … + γs²/2 − R, else 0
+  std::shared_ptr<const Lift> lift;         ///< of a general Hamiltonian that has a lift, else null
+  tape::Formula invariants;                 ///< most_invariants values; those that the scene does not have are 0
 
-  /// What is known of the forces F(q, p, t); of all but their values beside a constant metric only.
+  /// Forces describes the forces F(q, p, t). Beside a metric that is not constant, only `values` is known.
   struct Forces {
-    bool linear = true;         ///< in p
-    bool diagonal = true;       ///< F_i reads p_i alone of all momenta
-    bool constant = true;       ///< ∂F/∂p is of numbers
-    bool jumps = false;         ///< at rest, as dry friction does
-    bool jumps_alone = true;    ///< where they jump, this is with the momentum that each acts on, with no other
-    std::vector<bool> jumping;  ///< of each coordinate whether its force jumps; of none where none does
-    double friction = 0;        ///< c where F is −c p, which damping says as well; else 0
+    bool linear = true;         ///< F is affine in p
+    bool diagonal = true;       ///< F_i reads no momentum but p_i
+    bool constant = true;       ///< ∂F/∂p consists of numbers
+    bool jumps = false;         ///< F is discontinuous at rest, as dry friction is
+    bool jumps_alone = true;    ///< each jump depends only on the momentum of the coordinate that the force acts on
+    std::vector<bool> jumping;  ///< by coordinate, whether its force jumps; empty where none does
+    double friction = 0;        ///< c where F = −c p, which `damping` expresses as well; else 0
     tape::Formula values;       ///< F
-    tape::Formula jacobian;  ///< F and ∂F/∂p: where it is diagonal that by each p_i, else row by row; of too many none
+    /// F, then ∂F_i/∂p_i where `diagonal`, else ∂F/∂p row-major; without outputs where too many are coupled
+    tape::Formula jacobian;
     bool solvable() const { return jacobian.outputs() > 0; }
-    /// Whether kicks know what such forces hold at rest.
+    /// can_rest tells whether kicks can compute the static friction by which such forces hold a coordinate at rest.
     bool can_rest() const { return jumps && jumps_alone && solvable(); }
   };
   Forces forces;
 
-  /// V − constant_potential: what is large and the same everywhere takes no digits from differences of V.
+  /// potential_beside_constant returns V − constant_potential: a large constant would cost digits in differences of V.
   const tape::Formula& potential_beside_constant() const {
     return varying_potential.outputs() > 0 ? varying_potential : potential;
   }
-  /// ẋ of the components that move.
+  /// motion() returns ẋ of the first `moving` components.
   const StateFormula& motion() const { return components > moving ? motion_ : rate; }
 
-  /// v = g⁻¹p of a constant metric, to n numbers.
+  /// velocity(p, v) writes the n numbers v = g⁻¹p of a constant metric.
   template <class T>
   void velocity(const T* p, T* v) const {
     const std::size_t n = coordinates;
@@ -128,14 +133,14 @@ class SizedScene {
       v[i] = sum;
     }
   }
-  /// Variables of the equations of motion that stand behind a state: velocities that are found from momenta.
+  /// found() returns how many velocities, found from momenta, the equations of motion read behind a state.
   std::size_t found() const { return velocities ? coordinates : 0; }
-  /// A state with them, which are written behind its components that move; to as many digits as T has.
+  /// find_velocities(x, t) writes these velocities behind the `moving` components of x, to the precision of T.
   template <class T>
   void find_velocities(T* x, double t) const {
     if (velocities) velocities->find(x, acting ? x[2 * coordinates] : T(0), t, x + moving);
   }
-  /// α(t) of a damped scene; 0 where there is none.
+  /// damping_at(t) returns α(t) of a damped scene; 0 of any other.
   double damping_at(double t) const {
     if (constant_damping || kind != FormKind::contact_linear) return constant_alpha_;
     double alpha = 0;
@@ -143,7 +148,7 @@ class SizedScene {
     damping.evaluate(none, t, &alpha);
     return alpha;
   }
-  /// H_s of a contact scene with a potential, and what s adds to its H.
+  /// action_slope returns H_s of a contact scene with a potential, action_energy the terms with s of its H.
   template <class T>
   T action_slope(const T& s, double t) const {
     return is_quadratic() ? T(action_curvature * s) : T(damping_at(t));
@@ -152,59 +157,62 @@ class SizedScene {
   T action_energy(const T& s, double t) const {
     return is_quadratic() ? T(0.5 * action_curvature * (s * s) - offset) : T(damping_at(t) * s);
   }
-  /// Whether H = ½ pᵀg⁻¹p + V(q, t) + a function of s with a constant g.
+  /// has_constant_metric tells whether H = ½ pᵀg⁻¹p + V(q, t) + a function of s, with constant g.
   bool has_constant_metric() const {
     return kind == FormKind::separable || kind == FormKind::contact_linear || is_quadratic();
   }
   bool is_quadratic() const { return kind == FormKind::contact_quadratic; }
   bool has_full_mass() const { return !inverse_matrix_.empty(); }
-  /// Whether steps that solve for places find M + β V″ small enough, which is full where M is.
+  /// solves_for_places tells whether n is small enough for steps that solve for q with the matrix M + β V″, which is
+  /// dense where M is.
   bool solves_for_places() const { return !has_full_mass() || coordinates <= most_with_full_mass; }
   std::span<const double> inverse_mass() const { return inverse_mass_; }
-  /// Of each row the columns that are not zero, and what stands there.
+  /// By row, the columns and values of the entries that are not zero.
   using SparseRow = std::vector<std::pair<std::size_t, double>>;
   const std::vector<SparseRow>& inverse_mass_matrix() const { return inverse_matrix_; }
 
-  /// The equations with all sums written out, for what goes through them operation by operation.
+  /// Plain is the equations with all kept sums written out, for users that go through them operation by operation.
   struct Plain {
     const tape::Tape& tape;
     std::span<const tape::Index> rates;
   };
-  /// Nothing where that takes more than tape::most_written_out. Made when it is first asked for. Throws MemoryShortage.
+  /// plain() is made on first use; nothing where it takes more than tape::most_written_out. Throws MemoryShortage.
   std::optional<Plain> plain() const;
-  /// V″(q, t) where there is a potential; made when it is first asked for.
+  /// curvature() returns V″(q, t) where there is a potential; made on first use.
   const tape::SparseJacobian& curvature() const;
-  /// What series of all components are made of, or of those that move; made when it is first asked for. Throws
-  /// MemoryShortage, and tape::TooManyOperations where there are no plain equations.
+  /// series(all) returns the Taylor-series program of all components, or of the `moving` ones; made on first use.
+  /// Throws MemoryShortage, and tape::TooManyOperations where there are no plain equations.
   const tape::Program& series(bool all) const;
 
  private:
-  /// What its tape and formulas come to in memory, about.
+  /// About the memory of the tape and its formulas.
   std::size_t bytes() const;
-  /// Of a general Lagrangian: finds out what else is known, and returns ẋ. `fold` takes velocities for momenta.
+  /// Of a general Lagrangian: sets the members that follow from L and returns ẋ. `fold` reads velocities as momenta.
   std::vector<Symbol> set_lagrangian(const Form& form, tape::Substitution& fold);
-  /// The same where the metric depends on the place. Where it couples many coordinates, `rate` finds velocities when it
-  /// runs, for which series have no use.
+  /// Of a metric that depends on q: sets the members that follow from it and returns ẋ. Where the metric couples many
+  /// coordinates, `rate` finds velocities at run time instead; series cannot use that and take the returned ẋ.
   std::vector<Symbol> set_metric(const Form& form, tape::Substitution& fold);
   tape::Formula formula_of(const std::vector<Symbol>& all);
-  /// A function of (q, v, s), and its derivatives.
+  /// with_slopes returns a function of (q, v, s) and its 2n + 1 derivatives.
   std::vector<Symbol> with_slopes(const Symbol& value);
-  /// Of L with a constant metric.
+  /// slopes_of_lagrangian returns L and its derivatives for a constant metric, V and the terms with s.
   std::vector<Symbol> slopes_of_lagrangian(const Symbol& v_of_place, const Symbol& of_action);
   void set_forces(const std::vector<Symbol>& all);
-  /// Of the switches where forces jump, in the order of the tape: whose force each is a part of, and what it reads.
+  /// set_jumps finds, for each switch in `jumps` (in tape order), the forces that it is a part of and the momenta it
+  /// reads.
   void set_jumps(const std::vector<Symbol>& all, const std::vector<tape::Index>& jumps);
-  /// `second`: the numbers of the entries of ∂²L/∂v² or ∂²H/∂p² where the metric is not diagonal.
+  /// `second` are the values of the entries of ∂²L/∂v² (`of_velocities`) or ∂²H/∂p², where the metric is not diagonal.
   void set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian, const std::vector<double>& second,
                 bool of_velocities);
 
-  MemoryBudget* const budget_ = HeldByThread::budget();  ///< of whom it was made for, also for what is made later
+  /// of the request that the scene was made for; also charged for what is made later
+  MemoryBudget* const budget_ = HeldByThread::budget();
   Held held_ = HeldByThread::take(0);
-  StateFormula motion_;                    ///< where not all components move
-  tape::SharedSums shared_;                ///< of formulas, while they are made
+  StateFormula motion_;                    ///< where moving < components
+  tape::SharedSums shared_;                ///< common subexpressions of the formulas, while these are made
   double constant_alpha_ = 0;              ///< where the damping is constant
   std::vector<double> inverse_mass_;       ///< of each coordinate
-  std::vector<SparseRow> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹
+  std::vector<SparseRow> inverse_matrix_;  ///< where the metric is not diagonal: g⁻¹ by rows
 
   struct Curvature {
     std::once_flag made;
@@ -228,8 +236,8 @@ class SizedScene {
                                  motion_series_ = std::make_shared<SeriesProgram>();
 };
 
-/// Scenes made of one form. The last one is kept: who reads a scene asks for it several times, and a search again and
-/// again.
+/// SizedScenes makes scenes of one form and keeps the last one: a request asks for its scene several times, and a
+/// search asks again and again.
 class SizedScenes {
  public:
   /// Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.

@@ -10,12 +10,13 @@
 namespace least::text {
 namespace {
 
-/// Of more unknown velocities the matrix is not made: each of its columns takes an evaluation, its inverse n³.
+/// Limit of unknown velocities for which the matrix is computed: it takes one evaluation per column, its inverse n³.
 constexpr std::size_t most_together = 64;
 
-/// The velocities at `places` that have these momenta while all others stay: by Newton's iteration, which ends after
-/// one step where L is quadratic in the velocities; of very many places by the sum of each row of ∂p/∂v in the place of
-/// the matrix, which is as good where that is diagonal. Whether it has come to an end.
+/// find_velocities finds the velocities at `places` that have these momenta while all others stay, by Newton's
+/// iteration, which ends after one step where L is quadratic in the velocities. For more than most_together places the
+/// row sums of ∂p/∂v replace the matrix, which is exact where the matrix is diagonal. Returns whether the iteration
+/// converged.
 bool find_velocities(const TextScene& scene, std::span<const double> parameters, double t,
                      const std::vector<std::size_t>& places, const std::vector<double>& momenta,
                      std::vector<double>& state) {
@@ -26,7 +27,7 @@ bool find_velocities(const TextScene& scene, std::span<const double> parameters,
   std::vector<double> residual(n), mass(together ? n * n : n), step(n);
   double change = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_iterations; ++i) {
-    for (std::size_t along = 0; along < (together ? n : 1); ++along) {  // a column of ∂p/∂v, or the sum of all
+    for (std::size_t along = 0; along < (together ? n : 1); ++along) {  // a column of ∂p/∂v, or the sum of all columns
       std::vector<Moved> moved(state.begin(), state.end());
       for (std::size_t k = 0; k < n; ++k)
         if (!together || k == along) moved[first + places[k]].slope[0] = 1;

@@ -1,4 +1,4 @@
-// Starts that are given in momenta, or in momenta of some coordinates and velocities of the others.
+// Starts that give momenta, or momenta of some coordinates and velocities of the others.
 #pragma once
 
 #include <array>
@@ -10,18 +10,18 @@
 
 namespace least::text {
 
-/// What stays of a start where one number of it, or a parameter, changes.
+/// Which half of a start is held fixed while one number of the start, or a parameter, changes.
 inline constexpr std::array<std::string_view, 2> held_names{"momenta", "velocities"};
 
-/// v with ∂L/∂v(q, v, s, t) = p, one per coordinate, of a scene that takes velocities: by Newton's iteration from v =
-/// 0, which ends after one step where L is quadratic in the velocities. `state` holds the variables of the card with
-/// momenta. Not finite where there is no such v.
+/// velocities_of returns v with ∂L/∂v(q, v, s, t) = p, one per coordinate, of a scene that takes velocities. Newton's
+/// iteration begins at v = 0 and ends after one step where L is quadratic in the velocities. `state` has the order of
+/// the card's variables, with momenta. The result is not finite where there is no such v.
 std::vector<double> velocities_of(const TextScene& scene, std::span<const double> parameters, double t,
                                   const std::vector<double>& state);
 
-/// All momenta of a start of which the coordinates in `places` have momenta and the others have velocities. `state`
-/// holds the variables of the card with velocities in the place of momenta, which they become; those at `places` are
-/// where the search begins. Whether velocities were found that these momenta have.
+/// make_momenta_of_start converts a start that gives momenta for the coordinates in `places` and velocities for the
+/// others. `state` has the order of the card's variables, with velocities in the place of momenta, and is converted to
+/// momenta; its velocities at `places` are the initial guess. Returns whether velocities with these momenta were found.
 bool make_momenta_of_start(const TextScene& scene, std::span<const double> parameters, double t,
                            const std::vector<std::size_t>& places, const std::vector<double>& momenta,
                            std::vector<double>& state);

@@ -13,10 +13,10 @@ namespace {
 using Entry = SymbolMatrix::Entry;
 using Row = SymbolMatrix::Row;
 
-/// Multiplications of numbers in an elimination, and of symbols: some hundredths of a second.
+/// Limits of multiplications in an elimination of numbers, and of symbols: some hundredths of a second each.
 constexpr std::size_t most_multiplications = std::size_t(1) << 26, most_of_symbols = std::size_t(1) << 20;
 
-/// Throws where there are too many of them.
+/// Count throws tape::TooManyOperations once more operations are taken than it began with.
 class Count {
  public:
   explicit Count(std::size_t most) : left_(most) {}
@@ -34,7 +34,7 @@ const Symbol* find(const Row& row, std::size_t column) {
   return found != row.end() && found->column == column ? &found->value : nullptr;
 }
 
-/// a − f b, of b the entries from `begin` on.
+/// combined returns a − f b, with the entries of b from `begin` on.
 Row combined(const Row& a, const Symbol& f, const Row& b, Row::const_iterator begin) {
   Row made;
   made.reserve(a.size() + static_cast<std::size_t>(b.end() - begin));
@@ -49,7 +49,7 @@ Row combined(const Row& a, const Symbol& f, const Row& b, Row::const_iterator be
   return made;
 }
 
-/// Two matrices that change together: rows of `a` become those of the unit matrix, times a number.
+/// Elimination transforms `a` into a diagonal matrix by row operations and applies these to the unit matrix as well.
 class Elimination {
  public:
   explicit Elimination(SymbolMatrix a) : a_(std::move(a)), b_(a_.size()), rows_(a_.size()) {
@@ -73,7 +73,7 @@ class Elimination {
 
  private:
   bool eliminate(std::size_t k) {
-    auto& rows = rows_[k];  // which may have an entry in this column
+    auto& rows = rows_[k];  // rows that may have an entry in column k
     std::ranges::sort(rows);
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
     const auto has = [&](std::size_t i) { return find(a_.row(i), k) != nullptr; };
@@ -114,7 +114,7 @@ class Elimination {
   Held held_ = HeldByThread::take(0);
 };
 
-/// Of every row the first one that it hangs together with.
+/// firsts_of returns, for each row, the smallest row of its block.
 std::vector<std::size_t> firsts_of(const SymbolMatrix& matrix) {
   std::vector<std::size_t> first(matrix.size());
   std::iota(first.begin(), first.end(), std::size_t{0});
@@ -131,8 +131,8 @@ std::vector<std::size_t> firsts_of(const SymbolMatrix& matrix) {
   return first;
 }
 
-/// The sign of all pivots of a symmetric matrix, 0 where they have not the same: A = L D Lᵀ, of which row i of L begins
-/// where that of A does.
+/// sign_of_pivots returns the common sign of all pivots of a symmetric matrix, 0 where they differ. It computes A = L D
+/// Lᵀ within the envelope: row i of L begins at the same column as row i of A.
 int sign_of_pivots(const SymbolMatrix& matrix, std::span<const double> numbers) {
   const std::size_t n = matrix.size();
   Count count(most_multiplications);
@@ -153,7 +153,7 @@ int sign_of_pivots(const SymbolMatrix& matrix, std::span<const double> numbers) 
       if (entry.column < i) row[entry.column - begin[i]] = value;
       if (entry.column == i) pivots[i] = value;
     }
-    for (std::size_t j = begin[i]; j < i; ++j) {  // first what is L D
+    for (std::size_t j = begin[i]; j < i; ++j) {  // the row of L D first
       const double* const other = lower.data() + start[j];
       const std::size_t from = std::max(begin[i], begin[j]);
       count.take(j - std::min(from, j));
@@ -171,7 +171,8 @@ int sign_of_pivots(const SymbolMatrix& matrix, std::span<const double> numbers) 
   return sign;
 }
 
-/// log |det A| by elimination, with the largest pivots of columns: a determinant of hundreds of rows may be no double.
+/// log_determinant_of returns log |det A|, by elimination with column pivoting: the determinant of hundreds of rows may
+/// not be representable.
 double log_determinant_of(std::size_t n, std::vector<double> a) {
   double sum = 0;
   for (std::size_t k = 0; k < n; ++k) {
@@ -246,7 +247,8 @@ void BlockMatrix::invert() {
 }
 
 BlockMatrix::Regularity BlockMatrix::regularity() const {
-  constexpr int rounds = 8;  // each takes the root of what rows are off, so that scales of 1e±300 come to within 10
+  // each round halves the logarithm of the scale errors, so that scales of 1e±300 end within a factor 10
+  constexpr int rounds = 8;
   Regularity all;
   for (const Block& block : blocks_) {
     const std::size_t n = block.of.size();
@@ -262,7 +264,7 @@ BlockMatrix::Regularity BlockMatrix::regularity() const {
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j) a[i * n + j] *= scale[i] * scale[j];
     }
-    const auto norm = [&] {  // the largest sum of a row
+    const auto norm = [&] {  // maximum row sum
       double most = 0;
       for (std::size_t i = 0; i < n; ++i) {
         double sum = 0;

@@ -1,5 +1,5 @@
-// Square matrices of what a text says: second derivatives by velocities or momenta. Of a thousand coordinates most of
-// their entries are zero whatever the values, so that the others alone are kept.
+// Sparse square matrices of symbols: second derivatives by velocities or momenta. With a thousand coordinates most
+// entries are identically zero, and only the others are stored.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,20 @@
 
 namespace least::text {
 
-/// The number 0, whatever the values of variables.
+/// is_nothing tells whether x is the constant 0.
 bool is_nothing(const Symbol& x);
 
+/// SymbolMatrix is an n × n matrix of symbols that stores no zeros.
 class SymbolMatrix {
  public:
   struct Entry {
     std::size_t column;
     Symbol value;
   };
-  using Row = std::vector<Entry>;  ///< by columns, without those that are zero
+  using Row = std::vector<Entry>;  ///< ordered by column, without zeros
 
   SymbolMatrix() = default;
-  /// Of zeros.
+  /// The n × n zero matrix.
   explicit SymbolMatrix(std::size_t n) : rows_(n) {}
 
   std::size_t size() const { return rows_.size(); }
@@ -32,35 +33,36 @@ class SymbolMatrix {
   std::size_t entries() const;
   const Row& row(std::size_t i) const { return rows_[i]; }
   Row& row(std::size_t i) { return rows_[i]; }
-  /// 0 where there is no entry.
+  /// at(i, j) returns the entry, 0 where none is stored.
   Symbol at(std::size_t i, std::size_t j) const;
   bool is_diagonal() const;
-  /// All n² numbers, row by row.
+  /// written_out() returns all n² entries, row-major.
   std::vector<Symbol> written_out() const;
 
  private:
   std::vector<Row> rows_;
 };
 
-/// Numbers in the places of entries, in blocks that have nothing to do with each other: what is computed of one takes
-/// no more than of its blocks.
+/// BlockMatrix is a matrix of numbers, split into the diagonal blocks that are not coupled with one another, so that
+/// the work grows with the size of the blocks only.
 class BlockMatrix {
  public:
   struct Block {
-    std::vector<std::size_t> of;  ///< rows and columns, in their order
-    std::vector<double> numbers;  ///< row by row
+    std::vector<std::size_t> of;  ///< numbers of its rows and columns, ascending
+    std::vector<double> numbers;  ///< row-major
   };
-  static constexpr std::size_t most_numbers = std::size_t(1) << 17;  ///< of all blocks, zeros within them included
+  /// limit for all blocks together, with the zeros in them
+  static constexpr std::size_t most_numbers = std::size_t(1) << 17;
 
-  /// `numbers`: of the entries, row by row. Throws tape::TooManyOperations where blocks have too many.
+  /// `numbers` are the values of the stored entries, row by row. Throws tape::TooManyOperations beyond most_numbers.
   BlockMatrix(const SymbolMatrix& matrix, std::span<const double> numbers);
 
   const std::vector<Block>& blocks() const { return blocks_; }
-  /// Not finite where there is none.
+  /// invert() replaces the matrix by its inverse; the numbers are not finite where there is none.
   void invert();
-  /// How far a symmetric matrix is from one without an inverse, whatever the units of its rows and their number: of the
-  /// block that comes nearest 1/(‖A‖‖A⁻¹‖) once each row and its column have the same scale that makes their largest
-  /// entry 1, 0 where there is no inverse; and of all blocks log |det A|.
+  /// Regularity measures how far a symmetric matrix is from a singular one, independently of units and of size.
+  /// reciprocal_condition is the smallest 1/(‖A‖‖A⁻¹‖) of all blocks, each scaled symmetrically so that the largest
+  /// entry of every row is 1; 0 for a singular block. log_determinant is log |det A| of the whole matrix.
   struct Regularity {
     double reciprocal_condition = 1, log_determinant = 0;
   };
@@ -70,17 +72,18 @@ class BlockMatrix {
   std::vector<Block> blocks_;
 };
 
-/// Of numbers in the places of entries, row by row. By Cholesky's elimination: every pivot is positive. Throws
-/// tape::TooManyOperations, MemoryShortage.
+/// is_positive_definite takes the values of the stored entries, row by row, and tells whether all pivots of Cholesky's
+/// factorization are positive. Throws tape::TooManyOperations, MemoryShortage.
 bool is_positive_definite(const SymbolMatrix& matrix, std::span<const double> numbers);
 
-/// Numbers, and not all of one sign by any change of coordinates: K of both signs is as regular as any, but nothing
-/// that schemes take for granted of a natural form. All negative, it is one that was typed with a wrong sign; what
-/// depends on parameters or the place is told where these are known. Throws as above.
+/// is_indefinite tells whether a matrix of constants is neither positive nor negative definite. Schemes assume K ≥ 0 of
+/// a natural form, so that an indefinite K makes a form general, though it may be regular. A negative definite one has
+/// been typed with a wrong sign; this, and matrices that depend on parameters or q, are judged where the numbers are
+/// known. Throws as above.
 bool is_indefinite(const SymbolMatrix& second);
 
-/// By elimination; rows change places where a pivot is zero whatever the values. Nothing where there is no other. What
-/// it takes is held meanwhile, and throws MemoryShortage; of too many operations throws tape::TooManyOperations.
+/// inverse_of returns the inverse by elimination, exchanging rows where a pivot is identically zero; nothing where no
+/// pivot is left. The memory it needs is held meanwhile. Throws MemoryShortage, tape::TooManyOperations.
 std::optional<SymbolMatrix> inverse_of(SymbolMatrix a);
 
 }  // namespace least::text

@@ -7,7 +7,7 @@
 namespace least::text {
 namespace {
 
-/// Whether an exponent in the text is anything but digits.
+/// has_exponents tells whether the text has an exponent that is not just digits.
 bool has_exponents(std::string_view text) {
   for (std::size_t at = 0; at < text.size(); ++at) {
     if (text[at] != '^' && text.substr(at, 2) != "**") continue;

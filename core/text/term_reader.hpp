@@ -1,4 +1,4 @@
-// Reads the terms of a sum one after the other and finds which of them read alike.
+// Reads the terms of a sum one after the other and finds those that differ only in the names they contain.
 #pragma once
 
 #include <string>
@@ -11,13 +11,14 @@
 
 namespace least::text {
 
+/// TermReader builds one KeptSum.
 class TermReader {
  public:
-  /// `numbers_differ`: terms may read alike but for what indices are as numbers; a power of such a number would be none
-  /// of a constant exponent.
+  /// `numbers_differ`: the values of indices become placeholders, too, so that terms may differ in them. Such a value
+  /// must not be in an exponent, which would no longer be constant.
   TermReader(KeptSums& sums, bool numbers_differ) : sums_(sums), numbers_differ_(numbers_differ) {}
 
-  // The term at hand, written piece by piece.
+  // The current term, written piece by piece.
   const std::string& text() const { return text_; }
   void append(std::string_view piece) { text_ += piece; }
   void append_name(std::string_view name) { append_element(name, 0); }
@@ -25,12 +26,12 @@ class TermReader {
     speaks_of_foreign_ = speaks_of_foreign_ || sums_.not_in_them.contains(list);
     append_argument(sums_.names.number_of(list, static_cast<std::size_t>(index)));
   }
-  /// What an index is as a number. False: it is written as any number is.
+  /// append_number writes the value of an index as a placeholder. False: the caller has to write it as digits.
   bool append_number(std::int64_t value);
-  /// The term ends. False: there are too many that differ, or one has a power of what differs.
+  /// finish() ends the current term. False: there are too many shapes, or a placeholder may be in an exponent.
   bool finish();
 
-  /// Whether it speaks of nothing foreign, and many terms read alike.
+  /// is_worthwhile tells whether the sum names nothing that kept sums may not name, and has many terms of each shape.
   bool is_worthwhile() const { return !speaks_of_foreign_ && terms_ >= few_alike * sum_.shapes.size(); }
   KeptSum sum() { return std::move(sum_); }
 
@@ -45,7 +46,7 @@ class TermReader {
   bool speaks_of_foreign_ = false, has_numbers_ = false;
   std::size_t terms_ = 0;
   std::string text_;
-  std::vector<std::uint32_t> given_;  ///< of the term at hand
+  std::vector<std::uint32_t> given_;  ///< the names of the current term, by number
   std::unordered_map<std::string, std::size_t> shape_of_text_;
 };
 

@@ -48,7 +48,8 @@ void TextReader::check_names() {
             "names that differ");
     }
   };
-  // What follows from a variable: another one that is named like it is to be called something else.
+  // Names of velocities and momenta follow from those of variables: where they coincide with another variable, the
+  // fault asks to rename that variable.
   const auto take_beside = [&](std::size_t i, const std::string& name, std::string_view what) {
     const auto known = taken.find(name);
     if (known == taken.end() || known->second != variable)

@@ -1,4 +1,4 @@
-// The texts of a definition: names that are checked, and formulas recorded on the tape of a form.
+// The texts of a definition: names are checked, and formulas recorded on the tape of a form.
 #pragma once
 
 #include <memory>
@@ -7,21 +7,22 @@
 
 namespace least::text {
 
-/// `/equations/x`: names with what RFC 6901 makes of / and ~.
+/// pointer_to("/equations/", "x") returns `/equations/x`, with / and ~ in the name escaped as RFC 6901 says.
 std::string pointer_to(std::string_view key, std::string_view name);
 
-/// Collects what is wrong on the way.
+/// TextReader reads the texts of one definition and collects the faults that it finds.
 class TextReader {
  public:
   explicit TextReader(const Definition& definition);
 
   void check_names();
-  /// What names stand for in a text. `momentum`: the letter of what is known beside the coordinates, `p`, `v` or none;
-  /// the others are refused with the reason. Good until it is called again.
+  /// words(…) returns the names that a text may use and their symbols. `momentum` is 'p' or 'v', the kind of name that
+  /// the text may use beside the coordinates, or another letter for neither; names of the other kind are refused with
+  /// the given reason. Valid until the next call.
   Words words(char momentum, std::string_view no_velocity, std::string_view no_momentum, std::string_view no_s);
-  /// The forces beside the mechanics, whose form is known: core/text/forces.cpp.
+  /// read_forces() reads the forces beside the mechanics, once the form is known; see core/text/forces.cpp.
   void read_forces();
-  /// Nothing where the text is wrong, which is then known.
+  /// record returns the symbol of a text; nothing where the text is wrong, and then the fault has been added.
   std::optional<Symbol> record(const std::string& pointer, const std::string& text, const Words& known);
 
   void fault(std::string pointer, std::string detail, std::string allowed = {}) {
@@ -32,7 +33,7 @@ class TextReader {
  protected:
   std::size_t n() const { return form_->coordinates; }
   bool flow() const { return given_.kind == Definition::Kind::equations; }
-  /// How many operations the texts may take.
+  /// operations() returns the limit of operations for the texts together.
   std::size_t operations() const { return given_.typed ? most_summed : most_operations; }
 
   const Definition& given_;

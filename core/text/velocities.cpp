@@ -12,7 +12,7 @@
 namespace least::text {
 namespace {
 
-/// The entries of ∂²L/∂v², to which numbers refer, in the place of these.
+/// fill replaces the entry numbers of a block by the values of these entries of ∂²L/∂v².
 void fill(const BlockMatrix::Block& block, const double* entries, double* matrix) {
   for (std::size_t k = 0; k < block.numbers.size(); ++k) {
     const auto which = static_cast<std::size_t>(block.numbers[k]);
@@ -51,7 +51,8 @@ void Velocities::solve(const double* x, double t, double* v) const {
   step.resize(n_);
   other.resize(n_);
   std::fill_n(v, n_, 0.0);
-  // How far the momenta at velocities are from p; sets what a step needs.
+  // look(v) evaluates momenta and ∂²L/∂v² at v, for the next step, and returns how far the momenta are from p (sum of
+  // |Δp|).
   const auto look = [&](const double* velocities) {
     std::copy_n(velocities, n_, at.begin() + static_cast<std::ptrdiff_t>(n_));
     with_hessian_.evaluate(at.data(), t, all.data());
@@ -69,7 +70,7 @@ void Velocities::solve(const double* x, double t, double* v) const {
         if (!(std::abs(entry(block, i * block.of.size() + i)) > 0)) return true;
     return false;
   };
-  // From rest; where nothing leads away from there, from the momenta themselves and from one to either side.
+  // The search begins at rest; where ∂²L/∂v² is singular there, at v = p, then at v = −p.
   double wrong = look(v);
   if (!linear_ && (!std::isfinite(wrong) || singular())) {
     for (const double share : {1.0, -1.0}) {
@@ -78,7 +79,7 @@ void Velocities::solve(const double* x, double t, double* v) const {
       if (std::isfinite(wrong) && !singular()) break;
     }
   }
-  // What is left is held against the momenta and the terms that cancel in them, here or where it began.
+  // The remaining error is compared with the momenta and with the terms that cancel in them, here or at the beginning.
   const auto terms = [&] {
     double sum = 0;
     for (std::size_t i = 0; i < n_; ++i) sum += std::abs(p[i]);
@@ -109,7 +110,7 @@ void Velocities::solve(const double* x, double t, double* v) const {
       for (std::size_t i = 0; i < n_; ++i) other[i] = v[i] + std::exp2(-halving) * step[i];
       now = look(other.data());
     }
-    if (!(now < wrong)) break;  // rounding is all that is left, or there is no solution
+    if (!(now < wrong)) break;  // only rounding is left, or there is no solution
     std::ranges::copy(other, v);
     wrong = now;
     here = terms();

@@ -1,6 +1,6 @@
-// The velocities of a Lagrangian: v with ∂L/∂v = p, by Newton's method with steps that are shortened until they help;
-// where it is quadratic in them, by its first step. Coordinates whose velocities have nothing to do with each other are
-// solved for apart, so that the work goes with their number where few are coupled.
+// The velocities of a Lagrangian: v with ∂L/∂v = p, by Newton's method with step halving; one step where L is quadratic
+// in v. Coordinates whose velocities are not coupled are solved for in separate blocks, so that the work is
+// proportional to their number where few are coupled.
 #pragma once
 
 #include <type_traits>
@@ -12,31 +12,32 @@
 
 namespace least::text {
 
-/// Whether it is a double with first derivatives.
+/// has_first_slopes<T> tells whether T is a double with first derivatives.
 template <class T>
 inline constexpr bool has_first_slopes = false;
 template <int K>
 inline constexpr bool has_first_slopes<Dual<double, K>> = true;
 
+/// Velocities solves ∂L/∂v(q, v, s, t) = p for v.
 class Velocities {
  public:
-  /// Velocities that one equation may couple, directly or by others.
+  /// Limit of velocities that ∂²L/∂v² may couple in one block.
   static constexpr std::size_t most_coupled = 24;
 
-  /// Whether no more are coupled by ∂²L/∂v².
+  /// fits tells whether no block of ∂²L/∂v² is larger.
   static bool fits(const SymbolMatrix& hessian);
-  /// What of a matrix has nothing to do with the rest; numbers: which entry stands there, from 1 on, 0 for none. Throws
-  /// tape::TooManyOperations where blocks have too many.
+  /// blocks_of returns the uncoupled blocks of a matrix, with the number of the stored entry, from 1 on, at each
+  /// position, 0 for none. Throws tape::TooManyOperations where the blocks are too large together.
   static std::vector<BlockMatrix::Block> blocks_of(const SymbolMatrix& matrix);
-  /// `momenta`: of (q, v, s) ∂L/∂v; `with_hessian`: that and the entries of ∂²L/∂v², row by row. `linear`: momenta are
-  /// in velocities, and vanish with them.
+  /// `momenta` is ∂L/∂v as a function of (q, v, s); `with_hessian` adds the stored entries of ∂²L/∂v², row by row.
+  /// `linear`: momenta are linear in the velocities, without a constant term.
   Velocities(const SymbolMatrix& hessian, tape::Formula momenta, tape::Formula with_hessian, bool linear = false);
 
   std::size_t size() const { return n_; }
-  /// Of ∂²L/∂v².
+  /// The uncoupled blocks of ∂²L/∂v².
   const std::vector<BlockMatrix::Block>& blocks() const { return blocks_; }
-  /// v of x = (q, p) and s, to n numbers; not numbers where there is none. It is found in double, then brought to the
-  /// digits of T, or to its derivatives.
+  /// find(x, s, t, v) writes the n velocities at x = (q, p); NaN where there are none. They are found in double, then
+  /// refined to the precision of T, derivatives included.
   template <class T, class S>
   void find(const T* x, const T& s, const S& t, T* v) const {
     thread_local std::vector<double> plain, found;
@@ -47,7 +48,7 @@ class Velocities {
     solve(plain.data(), plain_number(t), found.data());
     for (std::size_t i = 0; i < n_; ++i) v[i] = T(found[i]);
     if constexpr (!std::is_same_v<T, double>) {
-      constexpr int rounds = has_first_slopes<T> ? 1 : 4;  // with the matrix of the first
+      constexpr int rounds = has_first_slopes<T> ? 1 : 4;  // with the inverse matrix of the first round
       thread_local std::vector<T> at, wrong;
       at.assign(x, x + 2 * n_);
       at.push_back(s);
@@ -68,7 +69,8 @@ class Velocities {
  private:
   using Block = BlockMatrix::Block;
   void solve(const double* x, double t, double* v) const;
-  /// Of ∂²L/∂v² at v, block by block. The thread's, until it asks for the next.
+  /// inverse_at returns the inverse of ∂²L/∂v² at v, block by block; the reference is to a thread-local buffer, valid
+  /// until the next call.
   const std::vector<double>& inverse_at(const double* x, double t, const double* v) const;
 
   std::size_t n_;

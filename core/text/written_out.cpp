@@ -18,7 +18,7 @@ std::string_view trimmed(std::string_view text) {
                                         : text.substr(from, text.find_last_not_of(" \t\n\r") + 1 - from);
 }
 
-/// `d(i,j)`: the name and its indices; no name where it is none.
+/// declaration(`d(i,j)`) returns the name and its indices; an empty name where the text is no declaration.
 Vocabulary::Defined declaration(std::string_view typed) {
   Vocabulary::Defined made;
   const std::size_t open = typed.find('(');
@@ -40,8 +40,8 @@ Vocabulary::Defined declaration(std::string_view typed) {
 
 }  // namespace
 
-/// Writes one scene out, in rounds until it is known which whole constants bounds and indices use: those are numbers
-/// everywhere.
+/// SceneWriter writes out one scene. It repeats until it is known which whole-number constants are used in bounds and
+/// indices: these are numbers everywhere in the scene.
 class SceneWriter {
  public:
   explicit SceneWriter(TypedScene typed) : typed_(std::make_shared<const TypedScene>(std::move(typed))) {}
@@ -99,7 +99,7 @@ class SceneWriter {
     add("/offset", given().offset.value_or(""));
     add("/dissipation", given().dissipation.value_or(""));
   }
-  /// Where the mechanics stands.
+  /// mechanics() returns the JSON pointer of L, H, V or the equations.
   std::string mechanics() const {
     return std::string("/").append(Definition::kind_names[static_cast<std::size_t>(given().kind)]);
   }
@@ -152,7 +152,7 @@ class SceneWriter {
       for (const std::string& one : names)
         if (!vocabulary_.lists.emplace(one, n).second || vocabulary_.constants.contains(one))
           fault(pointer, one + " is two things at once", "names that differ");
-      // One too many is enough for a refusal.
+      // One variable beyond the limit is enough for a refusal.
       for (std::int64_t k = 1; k <= n && out_.definition_.variables.size() <= most_variables_of_kind(); ++k) {
         out_.definition_.variables.push_back(element_name(name, k));
         out_.declared_.push_back(i);
@@ -182,11 +182,11 @@ class SceneWriter {
     }
     for (const Vocabulary::Defined& made : vocabulary_.definitions) check_grammar(made);
   }
-  /// Of a definition without indices, which reads alike wherever it is used.
+  /// check_grammar checks a definition without indices, which reads the same wherever it is used.
   void check_grammar(const Vocabulary::Defined& made) {
     const auto expanded = Expansion::of(made.text, vocabulary_);
     const auto* const expansion = std::get_if<Expansion>(&expanded);
-    if (!made.indices.empty() || !expansion) return;  // what is wrong there is found where it is used
+    if (!made.indices.empty() || !expansion) return;  // faults are found where the definition is used
     auto parsed = Expression::parse(expansion->text());
     auto* const fault = std::get_if<Fault>(&parsed);
     if (!fault || expansion->origin(fault->position).definition) return;
@@ -194,7 +194,8 @@ class SceneWriter {
     faults_.push_back({pointer_to("/definitions/", made.name), std::move(*fault)});
   }
 
-  /// Definitions without indices that no text of the mechanics speaks of: columns and events may.
+  /// read_unused checks the definitions without indices that no text of the mechanics uses: columns and events may use
+  /// them.
   void read_unused() {
     Vocabulary before = vocabulary_;
     before.definitions.clear();
@@ -232,11 +233,11 @@ class SceneWriter {
            speaks(given().dissipation.value_or(""));
   }
 
-  /// Which sums are kept. Of what moves, second derivatives are taken coordinate by coordinate: sums that speak of it
-  /// are written out.
+  /// choose_sums decides which sums are kept. Second derivatives by velocities or momenta are taken coordinate by
+  /// coordinate, so that sums that contain these are written out.
   void choose_sums() {
     if (given().kind == Definition::Kind::equations) {
-      // Each variable has sums of its own: those of a hundred would be long together.
+      // Each variable has sums of its own: with a hundred variables even short ones would be long together.
       constexpr std::size_t many_variables = 100, few_terms = 64;
       if (out_.definition_.variables.size() >= many_variables) sums_.few_terms = few_terms;
       return;
@@ -250,14 +251,14 @@ class SceneWriter {
   std::size_t most_variables_of_kind() const {
     return given().kind == Definition::Kind::equations ? most_variables : most_coordinates;
   }
-  /// Those that are kept, in the texts of scenes that lanes have no room for.
+  /// sums() returns the store for kept sums, null for scenes that fit into lanes, which write all sums out.
   KeptSums* sums() {
     const bool flow = given().kind == Definition::Kind::equations;
     const std::size_t few = static_cast<std::size_t>(flow ? compiled_variables : compiled_coordinates);
     return out_.definition_.variables.size() > few ? &sums_ : nullptr;
   }
 
-  /// Nothing where the text is wrong, which is then known.
+  /// write_text returns the text written out; it is empty where the text is wrong, and then the fault has been added.
   std::string write_text(const std::string& pointer, const std::string& written_pointer, std::string_view text,
                          const Indices& indices = {}, KeptSums* sums = nullptr) {
     auto made = Expansion::of(text, vocabulary_, indices, sums);
@@ -285,7 +286,7 @@ class SceneWriter {
     made.kind = given().kind;
     made.title = given().title;
     if (made.variables.size() > most_variables_of_kind())
-      return;  // refused by whoever reads it, whatever the texts say
+      return;  // the reader of the definition refuses it, whatever its texts say
     if (given().kind != Definition::Kind::equations)
       made.formula = write_text(mechanics(), mechanics(), given().formula, {}, sums());
     made.masses = write_named("/masses/", given().masses);
@@ -304,7 +305,7 @@ class SceneWriter {
     made.dissipation = optional("/dissipation", given().dissipation);
   }
 
-  /// Texts of variables: `x` stands for all of a list, `x[i]` for each of them.
+  /// write_named writes out texts by variable: the name `x` means all elements of a list, `x[i]` each of them.
   Definition::Named write_named(const std::string& key, const Definition::Named& typed, KeptSums* sums = nullptr) {
     Definition::Named made;
     for (const auto& [name, text] : typed) {
@@ -343,7 +344,7 @@ class SceneWriter {
   Names used_;
   KeptSums sums_;
   std::vector<DefinitionFault> faults_;
-  bool changed_ = false;  ///< something is written out
+  bool changed_ = false;  ///< something had to be written out
   WrittenOut out_;
 };
 
@@ -376,7 +377,7 @@ std::int64_t length_of_list(const Definition& scene, std::string_view name) {
 }
 
 std::variant<Expression, Fault> parse_in_words_of(const TextScene* scene, std::string text) {
-  static const Vocabulary plain;  // sums and conditions on their indices go with any names
+  static const Vocabulary plain;  // without lists and definitions, sums and conditions on indices still work
   const bool own = scene && scene->definition.vocabulary;
   if (!own && text.size() > most_characters) return Expression::parse(std::move(text), most_characters);
   auto made = Expansion::of(text, own ? *scene->definition.vocabulary : plain);

@@ -30,7 +30,7 @@ void ControlMotion::start(std::vector<double> direction) {
   there_ = here_;
 }
 
-/// To about the size of one: how far directions grow has no bounds.
+/// Scales u and v to about size 1, as directions may grow without bound.
 void ControlMotion::rescale() {
   double size = 0;
   for (const double component : here_.u) size = std::max(size, std::abs(component));
@@ -41,13 +41,13 @@ void ControlMotion::rescale() {
     for (double& component : *numbers) component = std::ldexp(component, by);
 }
 
-/// A number near x: it differs by at most ε|x|, one or two units in the last place.
+/// perturbed returns x changed at random by at most ε|x|, one or two units in the last place.
 double ControlMotion::perturbed(double x) {
   random_ = random_ * 6364136223846793005U + 1442695040888963407U;
   return x + (static_cast<double>(random_ >> 62U) - 1.5) * (0.67 * std::numeric_limits<double>::epsilon()) * x;
 }
 
-/// Σ m_{ic} x_c over c, of all that stands side by side.
+/// product_ = matrix · fours_, for the four interleaved columns.
 void ControlMotion::multiply(const double* matrix) {
   for (std::size_t i = 0; i < size_; ++i, matrix += columns_) {
     tape::Four sum{}, from;
@@ -69,7 +69,7 @@ void ControlMotion::prepare(std::span<const double> begins, std::span<const doub
   }
   for (std::size_t step = 0; step < times.size(); ++step) {
     const std::size_t first = step * columns_;
-    for (std::size_t i = 0; i < columns_; ++i) {  // parameters stay what they are
+    for (std::size_t i = 0; i < columns_; ++i) {  // parameters are not perturbed
       const double x = begins[first + i] + fours_[lanes * i], u = fours_[lanes * i + 1];
       begins_[first + i] = i < size_ ? perturbed(x) : x;
       directions_[first + i] = i < size_ ? perturbed(u) : u;
@@ -88,7 +88,7 @@ void ControlMotion::move(const Step& step, const double* change, Place& to) {
     double* const four = fours_.data() + lanes * i;
     four[0] = four[1] = four[3] = 0;
     four[2] = here_.u[i];
-    to.u[i] = here_.u[i];  // what parameters change stays
+    to.u[i] = here_.u[i];  // components of parameters do not change
     if (i >= size_) continue;
     four[0] = here_.e[i] - ((begins_[first + i] - step.from[i]) - step.low_from[i]);
     four[1] = here_.v[i] - ((directions_[first + i] - here_.u[i]) - here_.low[i]);

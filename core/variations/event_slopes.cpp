@@ -13,7 +13,7 @@
 namespace least::variations {
 namespace {
 
-/// Expressions of events on a tape that begins with the equations.
+/// Recorder records the expressions of events on a copy of the equations' tape.
 class Recorder {
  public:
   Recorder(const Scene& scene, const ParametricScene& equations)
@@ -43,7 +43,7 @@ class Recorder {
     return unknown;
   }
 
-  /// All components after an act.
+  /// after(act) returns all components of the state after an event acts.
   std::vector<Symbol> after(const Act& act) {
     const std::size_t n = equations_.coordinates;
     std::vector<Symbol> values, state, velocities;
@@ -82,7 +82,7 @@ class Recorder {
  private:
   void know(std::string_view name, const Symbol& meaning) { words_.push_back({name, meaning, {}}); }
   Symbol component(std::size_t i) { return Symbol::variable(tape_, i); }
-  /// What stands on the tape of the equations, on this one.
+  /// here(y) returns a symbol of the equations' tape as one of this tape.
   Symbol here(const Symbol& y) { return y.is_constant() ? y : Symbol::at(tape_, y.place()); }
   std::optional<std::size_t> place_of(std::size_t variable) const {
     const auto found = std::ranges::find(equations_.variables, variable);
@@ -98,7 +98,7 @@ class Recorder {
   const Scene& scene_;
   const ParametricScene& equations_;
   tape::Tape tape_;
-  std::vector<std::string> velocities_;  ///< their names
+  std::vector<std::string> velocities_;  ///< names of velocities
   std::vector<text::Word> words_;
 };
 

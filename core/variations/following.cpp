@@ -11,13 +11,13 @@
 namespace least::variations {
 namespace {
 
-/// Some of the directions, and pairs of these.
+/// Chosen is a group of directions, and of pairs by their places in that group.
 struct Chosen {
   std::vector<std::size_t> directions;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
 };
 
-/// Follows them from the start of a question to its end.
+/// Follower follows a group from the start of a question to its end.
 class Follower {
  public:
   Follower(const Question& question, const Chosen& chosen, double tolerance, int order)
@@ -38,7 +38,7 @@ class Follower {
                                  order_of_control(made_.order));
   }
 
-  /// What was found, or why they were not followed to the end.
+  /// go() returns what was found, or why the end was not reached.
   std::variant<Followed, std::string> go() {
     auto event = question_.events.begin();
     const auto to_event = [&](double t) {
@@ -88,7 +88,7 @@ class Follower {
     return true;
   }
 
-  /// An event as the motion has it, near to where the run met it, and what it does.
+  /// meet finds the event along the motion, close to where the run had it, and applies what it does.
   bool meet(const RunEvent& event) {
     constexpr int rounds = 3;
     const EventSlopes& slopes = question_.slopes_of_events;

@@ -1,4 +1,4 @@
-// A motion followed with its derivatives from the start of a run to its end, through the events that act on its way.
+// A motion and its derivatives, followed from the start of a run to its end through the events that act in between.
 #pragma once
 
 #include <string>
@@ -13,38 +13,41 @@
 
 namespace least::variations {
 
-/// The motion with some of its directions.
+/// Followed is the motion with its derivatives along some directions.
 struct Followed {
-  std::vector<double> state;                     ///< at the end
-  std::vector<std::vector<double>> slopes;       ///< at samples, and at last at the end; direction by direction
-  std::vector<std::vector<double>> time_slopes;  ///< of each event that was asked for, by direction
-  std::vector<double> second;                    ///< the second ones, at the end: pair by pair
-  std::vector<std::vector<double>> control;      ///< where slopes are, in one direction; fewer: not to the end
+  std::vector<double> state;                ///< at the end
+  std::vector<std::vector<double>> slopes;  ///< at each sample, then at the end: ∂x/∂θ, direction by direction
+  std::vector<std::vector<double>> time_slopes;  ///< by event that was asked for: ∂t/∂θ, one per direction
+  std::vector<double> second;                    ///< second derivatives at the end, pair by pair
+  /// the control's derivative at the times of `slopes`; fewer entries: it did not reach the end
+  std::vector<std::vector<double>> control;
   int order = 0;
 };
 
-/// What is asked of a motion: where it began and ends, what it comes by, and along which directions it is varied.
+/// Question is what to follow: from where to where, through which events, and along which directions.
 struct Question {
   const SensitivitiesAsked& asked;
   double began, end;
-  std::vector<double> times;  ///< of samples, that do not decrease
+  std::vector<double> times;  ///< ascending times of samples
   const KeepGoing& keep_going;
   Start start;
-  std::vector<double> state;  ///< where it began
+  std::vector<double> state;  ///< at `began`
   const std::vector<RunEvent>& events;
   const EventSlopes& slopes_of_events;
   std::vector<Direction> directions{};
   std::vector<std::vector<double>> slopes{};
-  std::vector<double> weights{};  ///< of the directions in that of a control beside them; none: there is none
+  std::vector<double> weights{};  ///< weights of the directions in the control's direction; empty: no control
 };
 
-/// That of the series of a control, beside series of this one.
+/// order_of_control returns the order of the control's series beside series of this order.
 int order_of_control(int order);
 
-/// All directions, in as few parts as are short enough; or why they were not followed to the end.
+/// follow_all follows all directions, in as few groups as have short enough equations; or says why the end was not
+/// reached.
 std::variant<Followed, std::string> follow_all(const Question& question, double tolerance, int order);
 
-/// Second derivatives at the end: all at once, or pair by pair where that is too long.
+/// follow_pairs returns second derivatives at the end, pair by pair: all computed together, or one pair after the other
+/// where that would be too long.
 std::variant<std::vector<double>, std::string> follow_pairs(
     const Question& question, const std::vector<std::pair<std::size_t, std::size_t>>& pairs, double tolerance,
     int order);

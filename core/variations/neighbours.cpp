@@ -9,7 +9,7 @@
 namespace least::variations {
 namespace {
 
-/// A row sink that wants none, and ends a run for which there is no time.
+/// Nowhere discards all rows and ends a run once keep_going() returns false.
 class Nowhere final : public RowSink {
  public:
   explicit Nowhere(const KeepGoing& keep_going) : keep_going_(keep_going) {}
@@ -20,7 +20,7 @@ class Nowhere final : public RowSink {
   const KeepGoing& keep_going_;
 };
 
-/// Without all that does not move its end.
+/// bare removes from a request everything that does not influence its end.
 Request bare(Request request) {
   request.record = {Record::Mode::every, 0, {}};
   request.columns = {0};
@@ -62,7 +62,8 @@ std::optional<std::vector<double>> Neighbours::differences(std::span<const doubl
   std::vector<double> all;
   for (const Quantity& by : asked_.by) {
     const std::span known = found.subspan(all.size(), found.size() / asked_.by.size());
-    if (by.kind == Quantity::Kind::time && start_.follows_from_time()) {  // what moves along with the motion stays 0
+    // the start moves along with the motion, so that the derivative stays 0
+    if (by.kind == Quantity::Kind::time && start_.follows_from_time()) {
       all.insert(all.end(), known.begin(), known.end());
       continue;
     }
@@ -73,8 +74,8 @@ std::optional<std::vector<double>> Neighbours::differences(std::span<const doubl
   return all;
 }
 
-/// Of changes that become smaller as long as that brings differences nearer to what was found: close to a centre of
-/// force a motion is another one after a small change, and differences of a larger one say nothing of a derivative.
+/// nearest makes the change smaller as long as the differences approach `found`: close to a centre of force, a larger
+/// change leads to quite another motion, and its differences say nothing of the derivative.
 std::optional<std::vector<double>> Neighbours::nearest(const Quantity& by, std::span<const double> found,
                                                        double largest, const KeepGoing& keep_going) const {
   constexpr double close = 1e-9, smaller = 0.125;
@@ -121,7 +122,7 @@ std::vector<double> Neighbours::moved(const Quantity& quantity, double by, const
 std::variant<Beginning, std::string> beyond_singular_start(const Request& request, const Solution& outcome,
                                                            const SensitivitiesAsked& asked, const Start& start,
                                                            double t, const KeepGoing& keep_going) {
-  constexpr double longest = 0.05, part = 0.25;  // of what stays of its sign
+  constexpr double longest = 0.05, part = 0.25;  // of the parameter's value, so that its sign does not change
   Request until = closely(request, outcome);
   until.end = t;
   const Neighbours neighbours(until, asked, start);

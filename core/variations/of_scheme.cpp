@@ -24,7 +24,7 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
   std::vector<std::int64_t> looks;
   for (const double t : times)
     if (t < outcome.t) looks.push_back(grid.step_before(t));
-  const std::size_t rows = looks.size() + 1;  // by direction, by row, and as one direction has them
+  const std::size_t rows = looks.size() + 1;  // direction by direction, in rows, and for one direction
   found.held.add(2 * bytes_of_lists(rows, size * count) + bytes_of_lists(rows, 2 * size));
 
   std::vector<Slopes> all(looks.size() + 1);

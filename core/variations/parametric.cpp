@@ -17,10 +17,10 @@ namespace {
 
 using text::FormKind;
 
-/// Writes a form as equations on a tape of their own.
+/// Writer writes the equations of a form on a tape of their own.
 class Writer {
  public:
-  /// `numbers`: of parameters, that stand in the place of those that are not varied.
+  /// `numbers` are the values of the parameters that are not varied.
   Writer(const text::Form& form, std::span<const double> numbers, const std::vector<bool>& varied,
          ParametricScene& made)
       : form_(form), numbers_(numbers), varied_(varied), made_(made), rewrite_(form.tape, made.tape, [this](int i) {
@@ -72,7 +72,7 @@ class Writer {
     return component(i == numbers.action ? 2 * made_.coordinates : made_.coordinates + from(i - numbers.momentum));
   }
 
-  /// H; of a contact scene whose motion does not need s without what s adds.
+  /// hamiltonian() returns H; where the motion of a contact scene does not need s, without the terms with s.
   Symbol hamiltonian() {
     if (form_.kind == FormKind::hamiltonian) return rewrite_(form_.hamiltonian);
     const std::size_t n = made_.coordinates;
@@ -105,7 +105,7 @@ class Writer {
     return h;
   }
 
-  /// To ṗ; of the velocities, which the texts of forces know unless a Hamiltonian was typed.
+  /// add_forces adds the forces to ṗ. Texts of forces read velocities, unless a Hamiltonian was given.
   void add_forces(const std::vector<Symbol>& velocity) {
     tape::Substitution with_velocities(form_.tape, made_.tape, [&](int i) {
       const text::Numbering& numbers = form_.numbers;
@@ -127,7 +127,7 @@ class Writer {
   tape::Substitution rewrite_;
 };
 
-/// Of equations in which no parameter is varied.
+/// The Taylor program of equations without varied parameters.
 tape::Program program_of(ParametricScene& scene) {
   std::vector<tape::Index> rates;
   for (const Symbol& rate : scene.rates) rates.push_back(rate.on(scene.tape));
@@ -165,7 +165,7 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
   made->form = form;
   made->backward = goes_backward(scene);
   made->varied = varied;
-  constexpr std::size_t few = 24;  // components; derivatives of larger scenes are followed with their motion
+  constexpr std::size_t few = 24;  // components; larger scenes do not use precomputed steps
   if (!text && !made->backward) {
     const auto equations = [&](const std::vector<bool>& by) {
       auto program = recorded_equations(forward, by);

@@ -41,12 +41,12 @@ double disagreement_along(const std::vector<std::vector<double>>& columns, std::
     for (const double entry : columns[k]) largest = std::max(largest, std::abs(entry));
     const std::vector<double> sum = sum_of(columns[k], weights);
     for (std::size_t i = 0; i < sum.size(); ++i) {
-      if (const double d = std::abs(sum[i] - control[k][i]); !(d <= most)) most = d;  // what is unknown stays so
+      if (const double d = std::abs(sum[i] - control[k][i]); !(d <= most)) most = d;  // written so that NaN is kept
       if (std::isnan(most)) return most;
       largest_sum = std::max(largest_sum, std::abs(sum[i]));
     }
   }
-  largest = std::min(largest, largest_sum);  // where columns cancel, so do errors that they have in common
+  largest = std::min(largest, largest_sum);  // where columns cancel in the sum, their common errors cancel as well
   if (largest > 0) return hidden * most / largest;
   return most > 0 ? unknown : 0;
 }

@@ -1,5 +1,6 @@
-// One direction w in the place of all that derivatives are in, for a control: J w as it has it is held against J w from
-// the columns of J. Errors of these add up there but for what cancels, by weights that are random.
+// One direction w that stands for all directions of the derivatives, so that one control suffices: J w from the control
+// is compared with J w from the columns of J. Errors of the columns add up in J w; as the weights are random, they
+// rarely cancel.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +11,18 @@
 
 namespace least::variations {
 
-/// The weights of so many columns, the same each time: from ½ to 1, of either sign. They are no units: columns count as
-/// they do in what errors are relative to, the largest entry of all.
+/// random_weights returns weights of so many columns, the same at each call: of either sign, between ½ and 1 in size.
+/// Columns keep their own scale, as errors are relative to the largest entry of all columns.
 std::vector<double> random_weights(std::size_t columns);
 
-/// Σ w_d of directions, and of columns that stand one after the other.
+/// sum_of returns Σ w_d of directions, or of columns that are stored one after the other.
 Direction sum_of(std::span<const Direction> directions, std::span<const double> weights);
 std::vector<double> sum_of(std::span<const double> columns, std::span<const double> weights);
 
-/// About the largest error of an entry of J, divided by the largest entry, from the columns at some times and J w as a
-/// control has it at each. An error in J w is seldom less than a third of the largest of its entries: over the
-/// catalogue three times as much is above the true error in nine of ten cases, and mostly within five times of it.
+/// disagreement_along estimates the largest error of an entry of J divided by the largest entry, from the columns at
+/// some times and the control's J w at each. The error of J w is seldom less than a third of the largest error of an
+/// entry: over the catalogue, three times it exceeds the true error in nine of ten cases, and mostly by less than a
+/// factor five.
 double disagreement_along(const std::vector<std::vector<double>>& columns, std::span<const double> weights,
                           const std::vector<std::vector<double>>& control);
 

@@ -19,7 +19,7 @@ double disagreement(const std::vector<Slopes>& a, const std::vector<Slopes>& b) 
   double most = 0, largest = 0;
   for (std::size_t k = 0; k < a.size(); ++k)
     for (std::size_t i = 0; i < a[k].size(); ++i) {
-      if (const double d = std::abs(a[k][i] - b[k][i]); !(d <= most)) most = d;  // what is unknown stays so
+      if (const double d = std::abs(a[k][i] - b[k][i]); !(d <= most)) most = d;  // written so that NaN is kept
       largest = std::max(largest, std::abs(a[k][i]));
     }
   return largest > 0 ? most / largest : 0;
@@ -30,7 +30,8 @@ std::vector<Report> structure_of(const ParametricScene& equations, const std::ve
   const std::size_t size = equations.components, n = equations.coordinates;
   TangentMap map{n, {0, StateNumbers(start.data(), start.data() + size)}, {}, {}, false};
   map.to = {0, StateNumbers(end.data(), end.data() + size)};
-  for (std::size_t i = 0; i < size; ++i)  // of the components themselves
+  // signs undone: derivatives of components by components, not by the card's variables
+  for (std::size_t i = 0; i < size; ++i)
     for (std::size_t j = 0; j < size; ++j)
       map.m.push_back(equations.signs[i] * equations.signs[j] * rows[i * size + j]);
   if (n == 0 || equations.forced) return {words("kind", "none"), {"max_defect", unknown}, {"factor", determinant(map)}};
@@ -40,7 +41,8 @@ std::vector<Report> structure_of(const ParametricScene& equations, const std::ve
   }
   double factor = 1;
   const bool damped = !equations.action_slope.is_constant() || equations.action_slope.constant() != 0;
-  if (damped) {  // (q, p) keep the multiple of the symplectic form that (q, p, s) keep of the contact form
+  // the flow of (q, p) multiplies the symplectic form by the same factor as that of (q, p, s) the contact form
+  if (damped) {
     factor = 0;
     for (std::size_t i = 0; i < n; ++i)
       factor += map.slope(i, 0) * map.slope(n + i, n) - map.slope(n + i, 0) * map.slope(i, n);

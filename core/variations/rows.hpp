@@ -1,4 +1,4 @@
-// Derivatives as an answer has them.
+// Derivatives in the layout of the answer.
 #pragma once
 
 #include <string>
@@ -9,21 +9,23 @@
 
 namespace least::variations {
 
-/// What derivatives at so many times hold, each of them a list of so many numbers.
+/// bytes_of_lists returns the memory of `times` lists of so many doubles.
 constexpr std::size_t bytes_of_lists(std::size_t times, std::size_t numbers) {
-  constexpr std::size_t list = sizeof(std::vector<double>) + 48;  // itself, its time, more as all grow, and its block
+  // the list itself, its entry in the answer, spare capacity, and the header of its block
+  constexpr std::size_t list = sizeof(std::vector<double>) + 48;
   return times * (numbers * sizeof(double) + list);
 }
 
-/// Component by component, of the variables as they are called, from derivatives direction by direction.
+/// in_rows turns derivatives stored direction by direction into Slopes: component by component, with the sign of the
+/// card's variables.
 Slopes in_rows(const ParametricScene& equations, const std::vector<double>& by_direction);
 
-/// What the whole map keeps: of the symplectic form, or of the contact form where s is a component, a multiple. `rows`:
-/// its derivatives by all components.
+/// structure_of reports how well the map from start to end conserves the symplectic form, or the contact form where s
+/// is a component, up to a factor. `rows` are the derivatives by all components of the start.
 std::vector<Report> structure_of(const ParametricScene& equations, const std::vector<double>& start,
                                  const std::vector<double>& end, const Slopes& rows);
 
-/// The largest difference, divided by the largest of a.
+/// disagreement returns the largest difference of entries divided by the largest entry of a.
 double disagreement(const std::vector<Slopes>& a, const std::vector<Slopes>& b);
 
 }  // namespace least::variations

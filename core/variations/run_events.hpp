@@ -1,4 +1,4 @@
-// The events of a finished run, as derivatives need them.
+// The events of a finished run, in the form that derivatives need.
 #pragma once
 
 #include <cstddef>
@@ -21,12 +21,11 @@ struct RunEvent {
   bool ends_run = false;
 };
 
-/// In the order in which the run came to them.
+/// events_of returns the events in the order of the run.
 std::vector<RunEvent> events_of(const Request& request, const Solution& outcome);
 
-/// Those of a run by a scheme that is not the motion, at the times at which the motion comes to them: what is made of a
-/// zero elsewhere is neither the motion's nor the scheme's. `end`: where the run ends, and then the motion. Else why
-/// not, in words.
+/// move_to_motion replaces the times of the events of a run by those of the true motion, as derivatives are evaluated
+/// along the motion. `end` is the end of the run and becomes that of the motion. Returns nothing, or why it cannot.
 std::optional<std::string> move_to_motion(const Request& request, const Solution& outcome,
                                           std::vector<RunEvent>& events, double& end, const KeepGoing& keep_going);
 

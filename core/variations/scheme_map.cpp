@@ -39,7 +39,7 @@ bool has_class(const SchemeCard& scheme, const text::Form& form) {
   return by.walk && form.coordinates <= by.room && by.walk(nullptr, scheme.id, nullptr);
 }
 
-/// Of a scheme whose steps are made of what is found in a scene.
+/// For a scheme that works with structures found in a scene (such as planetary or magnetic terms).
 Walked walk_by_what_was_found(const Walk& on, const ParametricScene& equations, std::optional<std::size_t> moved) {
   Walked made;
   const std::size_t size = on.start.size();

@@ -1,6 +1,6 @@
-// The run of a scheme of equal steps, and how it changes along one direction of its start and its parameters: the
-// derivative of the scheme's own map, by dual numbers through its steps. Where a step solves equations, the derivative
-// is that of the solution.
+// The run of a scheme of fixed steps and its derivative along one direction of start and parameters: the derivative of
+// the scheme's own map, by dual numbers through its steps. Where a step solves equations, it is the derivative of their
+// solution.
 #pragma once
 
 #include <cstdint>
@@ -17,27 +17,27 @@
 
 namespace least::variations {
 
-/// What is followed: all outlive the walk.
+/// Walk is what to follow; everything it refers to must outlive it.
 struct Walk {
   const Request& request;
   const SchemeCard& scheme;
   const Grid& grid;
-  std::span<const double> start, slope;  ///< of the components: q, p, and s where the motion needs it
-  std::span<const std::int64_t> looks;   ///< whole steps after which the state is wanted; they do not decrease
+  std::span<const double> start, slope;  ///< start and direction, by component: q, p, and s where the motion needs it
+  std::span<const std::int64_t> looks;   ///< ascending numbers of steps after which the state is wanted
   const KeepGoing& keep_going;
 };
 
-/// States at the looks and at last at the end, and how they change.
+/// Walked holds the states at the looks and at the end, and their derivatives along the direction.
 struct Walked {
   std::vector<std::vector<double>> states, slopes;
-  std::string reason;  ///< why it did not come to its end; empty: it did
+  std::string reason;  ///< why the end was not reached; empty where it was
 };
 
-/// All steps of a walk, `step(t, h)` being one from the time t, with `look` where the state is wanted; why it did not
-/// come to its end, or nothing.
+/// go_over takes all steps of a walk: step(t, h) takes one from the time t, look() is called where the state is wanted.
+/// Returns why the end was not reached; empty where it was.
 template <class Look, class Step>
 std::string go_over(const Walk& on, Look&& look, Step&& step) {
-  constexpr std::int64_t between = 64;  // looks at the clock
+  constexpr std::int64_t between = 64;  // steps between two calls of keep_going
   auto next = on.looks.begin();
   double t = on.grid.start;
   for (std::int64_t n = on.grid.first;; ++n) {
@@ -53,29 +53,30 @@ std::string go_over(const Walk& on, Look&& look, Step&& step) {
   return {};
 }
 
-/// Of the scene whose equations these are; `moved`: the parameter that changes.
+/// walk follows the scene of these equations; `moved` is the parameter that changes, none where only the start does.
 Walked walk(const Walk& on, const ParametricScene& equations, std::optional<std::size_t> moved);
-/// Why there is none of a scheme that changes with these quantities; empty: there is.
+/// no_walk says why a scheme has no such derivative by these quantities; empty where it has one.
 std::string no_walk(const Scene& scene, const SchemeCard& scheme, const ParametricScene& equations,
                     const std::vector<Quantity>& by);
 
-/// Of one class of problem. No walk: whether there is one is the answer.
+/// WalkOf walks one class of problem. With a null walk it only tells, by returning a value, whether the scheme can be
+/// walked.
 using WalkOf = std::optional<Walked> (*)(const Walk* on, std::string_view scheme,
                                          const std::shared_ptr<const VariedFormulas>& formulas);
-/// The class for a form, and how many coordinates it has room for.
+/// WalkClass is the class for a form, and the number of coordinates that it has room for.
 struct WalkClass {
   WalkOf walk = nullptr;
   std::size_t room = 0;
 };
 
-// Compiled on their own.
+// Each in a source of its own, to keep compilation short.
 WalkClass walk_of_separable(bool full_mass);
 WalkClass walk_of_damped(bool full_mass, bool constant);
 WalkClass walk_of_quadratic(bool full_mass);
 WalkClass walk_of_metric();
 WalkClass walk_of_hamiltonian();
 WalkClass walk_of_flow();
-/// Of more coordinates than the others have room for.
+/// For scenes that are not compiled (Form::is_compiled): explicit schemes only, with room for more coordinates.
 WalkClass walk_of_large(const text::Form& form);
 
 }  // namespace least::variations

@@ -15,9 +15,10 @@
 namespace least::variations {
 namespace {
 
-/// What a control in one direction says of all of them, at samples and at the end: the one that went beside them, or,
-/// where steps do not lie ready or an event acts, one that is followed now, with half the tolerance and through the
-/// same events. Second derivatives have controls of their own, of all pairs.
+/// doubt_of estimates the relative error of the first derivatives by a control in one direction, at samples and at the
+/// end: the control that was followed beside them, or, where steps are not precomputed or an event acts, one that is
+/// followed now, with half the tolerance and through the same events. Second derivatives are controlled pair by pair,
+/// in add_second.
 double doubt_of(const Question& question, const Followed& all, double tolerance, int order) {
   if (all.control.size() == all.slopes.size()) return disagreement_along(all.slopes, question.weights, all.control);
   Held of_control = HeldByThread::take(bytes_of_lists(all.slopes.size(), all.state.size()));
@@ -32,8 +33,9 @@ double doubt_of(const Question& question, const Followed& all, double tolerance,
   return known != nullptr ? disagreement_along(all.slopes, question.weights, known->slopes) : unknown;
 }
 
-/// Where an event has ended the run, second derivatives at its end from those at a time that stays; of one that acts
-/// they are known as those of what it makes. `all`: the motion and its first derivatives at that time.
+/// Where an event has ended the run, move_to_event turns second derivatives at a fixed end time into those at the
+/// event. Events that act need no such change: theirs belong to the state that the event makes. `all` holds the motion
+/// and its first derivatives at that fixed time.
 void move_to_event(const Question& question, const Followed& all,
                    const std::vector<std::pair<std::size_t, std::size_t>>& pairs, std::vector<double>& second) {
   if (question.events.empty() || !question.events.back().ends_run || !question.events.back().asked) return;
@@ -51,7 +53,7 @@ void move_to_event(const Question& question, const Followed& all,
   }
 }
 
-/// All second derivatives, with a control.
+/// add_second adds all second derivatives, and their error estimate from a second computation with a higher order.
 void add_second(const Question& question, const Followed& all, double tolerance, Sensitivities& found) {
   const ParametricScene& equations = *question.asked.equations;
   for (std::size_t a = 0; a < question.directions.size(); ++a)
@@ -72,8 +74,9 @@ void add_second(const Question& question, const Followed& all, double tolerance,
     found.uncertainty = std::max(found.uncertainty, disagreement({found.second}, {in_rows(equations, *known)}));
 }
 
-/// Begins a little later where the start is singular, or says why it cannot. The slopes at the start itself, for each
-/// of the times that were asked for there, which are no longer among them.
+/// Where the equations are singular at the start, leave_singular_start lets the question begin a little later, or sets
+/// the reason why it cannot. It removes the times that equal the start from the question's times, and returns the
+/// slopes for each of these.
 std::vector<std::vector<double>> leave_singular_start(const Request& request, const Solution& outcome,
                                                       Question& question, std::string& reason) {
   constexpr double part = 1.0 / 64;
@@ -159,7 +162,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
     auto& told = found.events.emplace_back(event.name, std::vector<double>(asked.by.size(), unknown)).second;
     if (!event.asked) continue;
     told = std::move(*time_slopes++);
-    if (event.ends_run) {  // what the run ends with is the state at a time that changes, too
+    if (event.ends_run) {  // the final state is taken at the event's time, which changes as well
       const std::vector<double> rates = slopes_of_events.rates(event.t, all.state);
       for (std::size_t d = 0; d < told.size(); ++d)
         for (std::size_t i = 0; i < rates.size(); ++i) all.slopes.back()[d * rates.size() + i] += rates[i] * told[d];
@@ -173,7 +176,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   }
   found.final = std::move(found.samples.back());
   found.samples.pop_back();
-  if (switches(equations)) {  // what is made of their jumps is held against runs
+  if (switches(equations)) {  // derivatives across jumps of the rates are checked by differences of runs
     const Neighbours neighbours(closely(request, outcome), asked, question.start);
     if (const auto others = neighbours.differences(at_end, keep_going)) {
       const double doubt = disagreement({found.final}, {in_rows(equations, *others)});

@@ -1,5 +1,4 @@
-// What the states of a run depend on: their derivatives by numbers of the start and parameters, along the true motion
-// from the start of the run.
+// Derivatives of the states of a run by its start and parameters, along the true motion from the start of the run.
 #pragma once
 
 #include <array>
@@ -17,64 +16,68 @@
 
 namespace least::variations {
 
-/// Something that derivatives are by.
+/// Quantity is something to differentiate by.
 struct Quantity {
   enum class Kind : std::uint8_t { variable, velocity, parameter, time };
   Kind kind = Kind::variable;
-  std::size_t index = 0;  ///< of the card's variables or parameters; of velocities that of the coordinate
+  std::size_t index = 0;  ///< of the card's variables or parameters; for a velocity, that of its coordinate
 };
 
 inline constexpr std::size_t most_quantities = 64, most_in_pairs = 16;
 
-/// Of what: the true motion, or the map that the scheme is.
+/// What is differentiated: the true motion, or the map of the scheme.
 inline constexpr std::array<std::string_view, 2> map_names{"motion", "scheme"};
 
-/// What is asked for beside a run.
+/// SensitivitiesAsked is what a request asks for beside its run.
 struct SensitivitiesAsked {
   std::vector<Quantity> by;
-  std::vector<std::string> names;  ///< of these, as JSON pointers
-  bool whole_start = false;        ///< by all variables of the motion: then the structure of the map is told
-  bool keeps_velocities = false;   ///< where one number changes, the velocities of the start stay, and not the momenta
+  std::vector<std::string> names;  ///< names of `by`, as JSON pointers
+  bool whole_start = false;  ///< `by` contains all variables of the motion: then the structure of the map is reported
+  /// while one number changes, the other velocities of the start stay fixed instead of the momenta
+  bool keeps_velocities = false;
   int order = 1;
   bool of_scheme = false;
   bool at_samples = false;
   std::shared_ptr<const ParametricScene> equations;
 };
 
-/// Derivatives of the state at one time: those of its first component by all quantities, then of the next.
+/// Slopes are the derivatives of the state at one time: those of its first component by all quantities, then of the
+/// next.
 using Slopes = std::vector<double>;
 
-/// What was found. A number that cannot be said is NaN.
+/// Sensitivities is the result. Numbers that are not known are NaN.
 struct Sensitivities {
   std::vector<std::string> rows;  ///< names of the components of the state
-  Slopes final;                   ///< empty: not found, for the reason given
-  /// Of order 2: of which two quantities each, and the derivatives at the end as those of first order stand.
+  Slopes final;                   ///< empty where none were found; `reason` says why
+  /// Of order 2: the pairs of quantities, and the second derivatives at the end, component by component and then by
+  /// pair.
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   Slopes second;
   std::vector<Slopes> samples;
-  /// Of each event of the run its name, and the derivatives of its time.
+  /// By event of the run: its name, and the derivatives of its time by all quantities.
   std::vector<std::pair<std::string, std::vector<double>>> events;
   double uncertainty = unknown;  ///< an estimate of the largest error of an entry, divided by the largest entry
   std::string reason;
-  std::vector<Report> structure;  ///< kind, max_defect and factor of the whole map; empty: not asked for
+  /// kind, max_defect and factor of the map from start to end; empty where not asked for
+  std::vector<Report> structure;
   Held held = HeldByThread::take(0);
 };
 
-/// The quantities that are parameters, marked among those of the card.
+/// varied_parameters marks, among the card's parameters, those that are differentiated by.
 std::vector<bool> varied_parameters(const SensitivitiesAsked& asked, std::size_t parameters);
 
-/// Along the motion of a run from its start to where it came, at its end, at its events and, where samples are asked
-/// for, at these times, which do not decrease. Where an event has ended the run, the end is that event, whose time
-/// changes, too. `tolerance` as that of the scheme `taylor`. Throws MemoryShortage.
+/// sensitivities_of_motion differentiates along the motion of a run: at its end, at its events and at these ascending
+/// times of samples. Where an event has ended the run, the end is that event, and its time changes with the quantities.
+/// `tolerance` is used as by the scheme `taylor`. Throws MemoryShortage.
 Sensitivities sensitivities_of_motion(const Request& request, const SensitivitiesAsked& asked, const Solution& outcome,
                                       std::span<const double> times, double tolerance, const KeepGoing& keep_going);
 
-/// The same of the map of the request's scheme, of equal steps, by dual numbers through its steps; samples are whole
-/// steps. Times of events have no derivatives. The control are differences of runs.
+/// sensitivities_of_scheme differentiates the map of the request's fixed-step scheme, by dual numbers through its
+/// steps; samples are at whole steps. Event times have no derivatives. The uncertainty comes from differences of runs.
 Sensitivities sensitivities_of_scheme(const Request& request, const SensitivitiesAsked& asked, const Solution& outcome,
                                       std::span<const double> times, const KeepGoing& keep_going);
 
-/// The name of an event of a run that was asked for, or the kind of one of its own.
+/// name_of_event returns the name of an event that was asked for, or the kind of an event of the run's own.
 std::string name_of_event(const Report& event);
 
 }  // namespace least::variations

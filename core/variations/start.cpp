@@ -5,7 +5,7 @@
 namespace least::variations {
 
 tape::Formula formula_of(const ParametricScene& scene, const std::vector<Symbol>& all) {
-  tape::Tape tape = scene.tape;  // constants are written
+  tape::Tape tape = scene.tape;  // a copy, as constants may have to be added
   std::vector<tape::Index> places;
   places.reserve(all.size());
   for (const Symbol& y : all) places.push_back(y.on(tape));
@@ -31,8 +31,8 @@ std::vector<double> Start::slope(const Quantity& by) const {
   if (regular_ && by.kind == Quantity::Kind::parameter) return slope_of_regular(by.index, 1);
   std::vector<double> slope = asked_.keeps_velocities ? slope_in_velocities(by) : slope_in_momenta(by);
   if (by.kind != Quantity::Kind::time) return slope;
-  if (regular_) return std::vector<double>(size_);  // it goes along with the motion
-  for (std::size_t i = 0; i < size_; ++i)           // what starts later has not come as far
+  if (regular_) return std::vector<double>(size_);  // the start moves along with the motion
+  for (std::size_t i = 0; i < size_; ++i)  // the later the start, the less the motion has advanced at a given time
     slope[i] = equations_.sign_of_time() * (slope[i] - rates_[i]);
   return slope;
 }
@@ -72,7 +72,7 @@ std::vector<double> Start::slope_in_momenta(const Quantity& by) const {
   std::vector<double> slope(size_);
   if (by.kind != Quantity::Kind::variable) return slope;
   const auto found = std::ranges::find(equations_.variables, by.index);
-  if (found == equations_.variables.end()) return slope;  // s, which the motion does not need
+  if (found == equations_.variables.end()) return slope;  // s, which is no component where the motion does not need it
   const auto i = static_cast<std::size_t>(found - equations_.variables.begin());
   slope[i] = equations_.signs[i];
   return slope;
@@ -94,7 +94,7 @@ std::vector<double> Start::way_of(const Quantity& by) const {
   return way;
 }
 
-/// The coordinate, the velocity, the parameter or the time changes, and the momenta follow.
+/// slope_in_velocities: the quantity changes at fixed velocities, and the momenta follow from these.
 std::vector<double> Start::slope_in_velocities(const Quantity& by) const {
   std::vector<double> slope = slope_in_momenta(by);
   const std::vector<double> way = way_of(by);
@@ -114,7 +114,8 @@ std::vector<double> Start::regular(const std::vector<double>& parameters) const 
 }
 
 std::vector<double> Start::slope_of_regular(std::size_t parameter, int order) const {
-  const double h = order == 1 ? 1e-3 : 1e-2;  // a series whose derivatives are small: errors are some 1e-12
+  // the start is a power series with small derivatives: errors are some 1e-12
+  const double h = order == 1 ? 1e-3 : 1e-2;
   std::vector<double> parameters = scene_.parameters, slope(size_);
   parameters[parameter] = scene_.parameters[parameter] + h;
   const std::vector<double> after = regular(parameters);

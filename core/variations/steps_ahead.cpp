@@ -8,8 +8,9 @@
 namespace least::variations {
 namespace {
 
-/// Terms of derivatives are larger than those of the motion by about their order, and it is dearer to leave steps that
-/// lie ready than to take somewhat shorter ones: of orbits and of the Lorenz equations none are left so.
+/// Factor of the tolerance: Taylor terms of derivatives exceed those of the motion by about the order, and discarding
+/// precomputed steps costs more than taking slightly shorter ones. With this factor none are discarded in Kepler orbits
+/// and in the Lorenz equations.
 constexpr double closer = 1.0 / 1024;
 constexpr std::size_t most_steps = tape::StepTangents::steps;
 
@@ -20,7 +21,7 @@ bool is_finite(std::span<const double> numbers) {
 }  // namespace
 
 bool StepsAhead::suit(const tape::Program& varied, std::size_t directions) {
-  // Followed direction by direction, reading the program costs as much as some six directions.
+  // Without precomputed steps, reading the program costs as much as some six directions.
   constexpr std::size_t always = 8, most_numbers = 1 << 19;
   return tape::StepTangents::suits(varied) && varied.variables <= always + 2 * directions &&
          numbers(varied) <= most_numbers;
@@ -116,7 +117,7 @@ void StepsAhead::leave(double shorter) {
   part_ = std::max(0.1, part_ * shorter);
 }
 
-/// Σ m_{ic} u_{cd} over c
+/// product_ = matrix · u
 void StepsAhead::multiply(const double* matrix, std::span<const double> u, std::size_t lanes) {
   product_.resize(size_ * lanes);
   for (std::size_t i = 0; i < size_; ++i, matrix += columns_)
@@ -159,7 +160,7 @@ void StepsAhead::change_in(double h, std::span<double> u, std::span<double> low,
   add(u, low);
 }
 
-/// What was multiplied, to derivatives with what rounding has kept from them.
+/// add adds product_ to u with compensated summation.
 void StepsAhead::add(std::span<double> u, std::span<double> low) {
   for (std::size_t place = 0; place < product_.size(); ++place) {
     const double start = u[place], change = product_[place] + low[place], to = start + change, back = to - start;

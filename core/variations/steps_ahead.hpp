@@ -1,5 +1,6 @@
-// Steps of a motion that are made before its derivatives are: the motion does not depend on these, so that some steps
-// can lie ready and what derivatives change by in them be found side by side (core/tape/step_tangents.hpp).
+// Steps of a motion that are computed before those of its derivatives. The motion does not depend on its derivatives,
+// so that some steps of it can be precomputed, and the matrices of change of the derivatives in these steps be computed
+// side by side (core/tape/step_tangents.hpp).
 #pragma once
 
 #include <memory>
@@ -13,49 +14,56 @@
 
 namespace least::variations {
 
+/// StepsAhead keeps a queue of precomputed steps of a motion y and, for each step, the matrix C by which derivatives u
+/// change: u⁺ = u + C u. y are the variables that move, then the varied parameters. Compensations, named `low`, hold
+/// what rounding has lost from a number.
 class StepsAhead {
  public:
-  /// Whether they are cheaper than to follow so many directions step by step.
+  /// suit tells whether precomputed steps are cheaper than following so many directions step by step.
   static bool suit(const tape::Program& varied, std::size_t directions);
-  /// How many numbers they keep, about.
+  /// numbers(varied) returns about how many doubles are kept.
   static std::size_t numbers(const tape::Program& varied);
-  /// `motion`: the equations with numbers for parameters; `varied`: with some of them as variables that rest, after
-  /// those of the motion. Steps are a little shorter than those of the motion alone, as derivatives need them.
+  /// `motion` is the program with numbers for all parameters; in `varied` some parameters are variables of rate 0,
+  /// behind those of the motion. Steps are a little shorter than those of the motion alone, for the sake of the
+  /// derivatives.
   StepsAhead(tape::Program motion, tape::Program varied, double tolerance, int order);
 
   int order() const { return expansion_.order(); }
-  /// The series of the motion where a step begins: for what is looked at within it.
+  /// expansion() returns the series of the motion, for looks within a step.
   taylor::Expansion& expansion() { return expansion_; }
 
-  /// Nothing lies ready, and nothing is known of steps that are too long. No control goes beside them.
+  /// begin() discards the queue, the knowledge about step lengths, and the control.
   void begin() {
     leave();
     part_ = 1;
     control_.reset();
   }
-  /// Then one goes beside them, from here on, along a direction of all variables.
+  /// control(…) starts a control at the current place, along a direction of all variables.
   void control(const tape::Program& varied, int order, std::vector<double> direction);
-  /// That direction as the control has it in the time h of the step, where the first motion is at y.
+  /// control_at returns the control's direction after the time h of the current step, where the motion is at y.
   std::vector<double> control_at(double h, std::span<const double> y, std::span<const double> low);
   bool controlled() const { return control_ != nullptr; }
-  /// The next step, from the state y, of all variables, at the time t: the one that lies ready, or the first of others
-  /// that are made. False: the motion does not go on for longer than `least`, or some term is no number.
+  /// next(y, low, t, least) makes the next step the current one: the next of the queue, or the first of newly computed
+  /// ones. False: steps would be shorter than `least`, or a number is not finite.
   bool next(std::span<const double> y, std::span<const double> low, double t, double least);
-  /// Where that step begins it ends at; the state there, without parameters, and what rounding has kept from it.
+  /// The end of the current step: its time, and the state there without parameters, with its compensation.
   double end() const { return ends_[at_]; }
   std::span<const double> state() const { return part(states_); }
   std::span<const double> low() const { return part(lows_); }
-  /// Of derivatives u that stand as tape::Tangents has them, the terms of the last order and of the one before of what
-  /// they change by: the largest of each over all; NaN where one is none.
+  /// last_terms returns the largest last and second to last Taylor coefficients of the change of u in the current step;
+  /// NaN where one is. u has `lanes` directions, interleaved by variable as in tape::Tangents.
   std::pair<double, double> last_terms(std::span<const double> u, std::size_t lanes);
-  /// Derivatives where the step ends, or after the time h: from u and what rounding has kept from it, `low`.
+  /// change replaces derivatives u and their compensations by those at the end of the current step; change_in by those
+  /// after the time h.
   void change(std::span<double> u, std::span<double> low, std::size_t lanes);
   void change_in(double h, std::span<double> u, std::span<double> low, std::size_t lanes);
-  /// It has been taken to its end.
+  /// take() marks the current step as taken.
   void take();
-  /// It has been taken for the time h, to the state y, and is left as below.
+  /// take_part(h, y, low) tells the control that the current step was taken for the time h only, to the state y;
+  /// leave() must follow.
   void take_part(double h, std::span<const double> y, std::span<const double> low);
-  /// It is left, as are those behind it. `shorter`: it was too long by this factor.
+  /// leave() discards the queue. `shorter` is the factor by which the current step was too long; it shortens further
+  /// steps.
   void leave(double shorter = 1);
 
  private:
@@ -66,17 +74,17 @@ class StepsAhead {
   void multiply(const double* matrix, std::span<const double> u, std::size_t lanes);
   double largest() const;
   void add(std::span<double> u, std::span<double> low);
-  /// The step with another end and the matrix of that.
+  /// The current step with the end y and the matrix of that end.
   ControlMotion::Step step_to(std::span<const double> y, std::span<const double> low, const double* matrix) const;
 
   taylor::Expansion expansion_;
   tape::StepTangents tangents_;
   std::size_t size_, columns_;
-  double part_ = 1;  ///< of the steps that the motion alone would take
+  double part_ = 1;  ///< length of steps relative to those that the motion alone would take
   std::size_t at_ = 0, count_ = 0;
-  std::vector<double> begins_, times_, lengths_, ends_, states_, lows_;  ///< of each step
-  std::vector<double> low_;                                              ///< where the first of them begins
-  std::vector<double> product_, matrix_;                                 ///< scratch
+  std::vector<double> begins_, times_, lengths_, ends_, states_, lows_;  ///< by step
+  std::vector<double> low_;               ///< compensation at the beginning of the first step of the queue
+  std::vector<double> product_, matrix_;  ///< scratch
   std::unique_ptr<ControlMotion> control_;
 };
 

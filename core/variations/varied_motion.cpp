@@ -51,9 +51,9 @@ VariedMotion::VariedMotion(const ParametricScene& scene, std::span<const Directi
   if (switches(scene)) prepare_switches(scene);
 }
 
-/// All directions side by side, step by step.
+/// follow_directions prepares to follow all directions together, step by step.
 void VariedMotion::follow_directions(tape::Program program) {
-  constexpr std::size_t most_numbers = 1 << 23;  // more at once do not stay near, nor are they needed
+  constexpr std::size_t most_numbers = 1 << 23;  // more would not fit into the caches, and is not needed
   expansion_.emplace(taylor::Expansion::of_all_values(std::move(program), tolerance_, order_));
   const tape::Program& known = expansion_->program();
   const std::size_t numbers = tape::Tangents::numbers(known, expansion_->order(), by_.size(), pairs_.size());
@@ -62,14 +62,14 @@ void VariedMotion::follow_directions(tape::Program program) {
   tangents_.emplace(known, expansion_->order(), by_.size(), pairs_);
 }
 
-/// Until the next start.
+/// follow_one_by_one gives up precomputed steps until the next start.
 void VariedMotion::follow_one_by_one() {
   one_by_one_ = true;
   if (!expansion_) follow_directions(*varied_program_);
 }
 
 void VariedMotion::prepare_switches(const ParametricScene& scene) {
-  tape::Tape tape = scene.tape;  // constants are written
+  tape::Tape tape = scene.tape;  // a copy, as constants may have to be added
   std::vector<tape::Index> places, conditions;
   for (const Symbol& rate : scene.rates) places.push_back(rate.on(tape));
   for (const tape::Index place : places)
@@ -81,8 +81,8 @@ void VariedMotion::prepare_switches(const ParametricScene& scene) {
   sides_.emplace(tape, places);
 }
 
-/// Of the motion, with numbers in the place of parameters but for those that are varied, which are variables that rest,
-/// in their order.
+/// program_of returns the program of the motion with numbers for all parameters, except the varied ones: these become
+/// variables of rate 0 behind the state, in this order.
 tape::Program VariedMotion::program_of(const ParametricScene& scene, const std::vector<std::size_t>& varied) const {
   std::vector<bool> all(scene.varied.size(), false);
   for (const std::size_t parameter : varied) all[parameter] = true;
@@ -98,7 +98,7 @@ tape::Program VariedMotion::program_of(const ParametricScene& scene, const std::
   std::vector<tape::Index> places;
   places.reserve(rates.size());
   for (const Symbol& rate : rates) places.push_back(rate.on(tape));
-  // Written out they may be somewhat longer than those of the scene, which are bounded.
+  // With numbers put in, equations with kept sums may become longer than those of the scene, which are limited.
   if (static_cast<std::size_t>(tape.size()) > tape::most_of_equations) throw tape::TooManyOperations();
   return taylor::program_of(tape, places, size_);
 }
@@ -143,7 +143,7 @@ std::optional<std::vector<double>> VariedMotion::control() {
   return ahead_->control_at(looked_ - t_, std::span(seen_).first(size_), std::span(low_seen_).first(size_));
 }
 
-/// Sets the state, the derivatives and the time, before any step is planned.
+/// begin sets state, derivatives and time, before any step is planned.
 void VariedMotion::begin(std::span<const double> x, const Derivatives& derivatives, double t) {
   t_ = t;
   longest_ = 0;
@@ -161,7 +161,8 @@ void VariedMotion::begin(std::span<const double> x, const Derivatives& derivativ
   one_by_one_ = false;
 }
 
-/// Derivatives to about the size that decides on steps, with what drives them: `beside` of each.
+/// settle scales each direction to about the size of the state, which decides step sizes. `beside` is the size of the
+/// terms that drive it.
 void VariedMotion::settle(Level& level, std::span<const double> beside) {
   const int wanted = std::ilogb(std::max(1.0, largest_of(std::span(y_).first(size_))));
   for (std::size_t d = 0; d < level.count; ++d) {
@@ -195,7 +196,7 @@ void VariedMotion::settle_scales() {
 void VariedMotion::plan() {
   if (ahead()) {
     if (plan_ahead()) return;
-    follow_one_by_one();  // as near the end of a motion
+    follow_one_by_one();  // for example near the end of a motion
   }
   expansion_->move(y_.data(), t_);
   double step = expansion_->step();
@@ -204,10 +205,11 @@ void VariedMotion::plan() {
     step = std::min(step, derivatives_step());
   }
   reach_ = t_ + step;
-  if (!(reach_ - t_ > 1e-13 * std::max(std::abs(t_), longest_))) reach_ = t_;  // of a motion that ends
+  if (!(reach_ - t_ > 1e-13 * std::max(std::abs(t_), longest_))) reach_ = t_;  // the motion ends here
 }
 
-/// The next step of those that lie ready, or as much of it as is good for derivatives, too. False: it is not known.
+/// plan_ahead sets reach_ to the end of the next precomputed step, or to the part of it in which the derivatives are
+/// accurate enough. False: there is none.
 bool VariedMotion::plan_ahead() {
   if (!ahead_->next(y_, low_, t_, 1e-13 * longest_)) return false;
   const double term = taylor::Expansion::allowed * tolerance_ * std::max(1.0, largest_of(std::span(y_).first(size_)));
@@ -223,7 +225,7 @@ bool VariedMotion::plan_ahead() {
   return reach_ - t_ > 1e-13 * std::max(std::abs(t_), longest_);
 }
 
-/// How far the series of derivatives are as good as those of the motion, by their last two terms.
+/// derivatives_step returns the step for which the last two terms of the derivatives' series meet the tolerance.
 double VariedMotion::derivatives_step() {
   double step = std::numeric_limits<double>::infinity();
   const double term = taylor::Expansion::allowed * tolerance_ * std::max(1.0, largest_of(std::span(y_).first(size_)));
@@ -246,9 +248,9 @@ std::vector<double> VariedMotion::with_parameters(const std::vector<double>& y) 
   return x;
 }
 
-/// The rates at the end `to` of a step that has ended shortly behind a switch, by the formulas of the side that it
-/// left: from two looks a little back along it, or, where it is so short that these were behind the switch, too, from
-/// the first terms of its series.
+/// rates_before returns f₋ at the end `to` of a step that has just crossed a switch, by the formulas of the side that
+/// it left. It extrapolates from two points slightly before `to`, or, where the step is so short that these would lie
+/// behind the switch, takes the first terms of the series.
 std::vector<double> VariedMotion::rates_before(double to) const {
   constexpr double part = 1e-6, behind = 64 * std::numeric_limits<double>::epsilon();
   const double h = to - t_, little = part * h;
@@ -268,7 +270,8 @@ std::vector<double> VariedMotion::rates_before(double to) const {
   return rates;
 }
 
-/// What a step to `to`, which is seen, has made of the derivatives, where it has ended shortly behind a switch.
+/// cross_switch corrects the derivatives seen at `to` by the jump of the rates, where the step has just crossed a
+/// switch.
 void VariedMotion::cross_switch(double to) {
   const std::vector<double> values = with_parameters(seen_);
   const std::vector<double> before = sides(with_parameters(y_), t_), after = sides(values, to);
@@ -313,7 +316,7 @@ bool VariedMotion::look(double t) {
   return std::ranges::all_of(first_.seen, finite) && std::ranges::all_of(second_.seen, finite);
 }
 
-/// What is seen becomes the motion, at the time `to`.
+/// step_to makes the state seen at `to` the beginning of the next step.
 void VariedMotion::step_to(double to) {
   y_ = seen_;
   low_ = low_seen_;
@@ -327,7 +330,7 @@ void VariedMotion::step_to(double to) {
   plan();
 }
 
-/// The step that lies ready, or a part of it. False: derivatives are no numbers there.
+/// advance_ahead takes the precomputed step, or a part of it. False: derivatives are not finite at its end.
 bool VariedMotion::advance_ahead(double end) {
   const double to = std::min(reach_, end);
   if (!(to > t_)) return false;
@@ -356,7 +359,7 @@ bool VariedMotion::advance(double end) {
     follow_one_by_one();
     plan();
   }
-  // Of neighbouring numbers the one in the middle rounds to one of the two: then there is none between.
+  // Halving stops once no number lies between `to` and t_: then the midpoint rounds to one of them.
   double before = std::numeric_limits<double>::infinity();
   for (double to = std::min(reach_, end); to > t_ && to < before; to = t_ + (to - t_) / 2) {
     before = to;

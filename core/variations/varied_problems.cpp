@@ -10,7 +10,7 @@ namespace {
 
 using text::FormKind;
 
-/// A form with one parameter, on a tape of its own.
+/// MovedForm is a form with one moved parameter, on a tape of its own.
 class MovedForm {
  public:
   MovedForm(const text::Form& form, std::span<const double> parameters, std::optional<std::size_t> moved,
@@ -44,7 +44,7 @@ class MovedForm {
     for (const Symbol& y : all) places.push_back(y.on(tape_));
     return {tape_, places};
   }
-  /// What depends on the parameter alone, with its slope.
+  /// numbers returns the values, with slopes, of symbols that depend on the moved parameter alone.
   std::vector<Slope> numbers(const std::vector<Symbol>& all, const Slope& parameter, std::size_t place) {
     std::vector<Slope> x(place + 1), values(all.size());
     x.back() = parameter;
@@ -57,7 +57,7 @@ class MovedForm {
   tape::Substitution fold_;
 };
 
-/// (A + A′ε)⁻¹ = A⁻¹ − A⁻¹A′A⁻¹ε of a symmetric matrix, row by row.
+/// inverse_of returns (A + A′ε)⁻¹ = A⁻¹ − A⁻¹A′A⁻¹ε of a symmetric matrix, row-major.
 std::vector<Slope> inverse_of(const std::vector<Slope>& matrix, std::size_t n) {
   std::vector<double> plain;
   plain.reserve(matrix.size());

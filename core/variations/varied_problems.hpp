@@ -1,6 +1,6 @@
-// Scenes along a direction of their parameters, as problems that schemes run: one class for each form, as those of
-// core/text/scenes.hpp, with parameters that are dual numbers. What a step of a scheme makes of states in dual numbers
-// is then the derivative of the scheme's own map, by its start and by parameters.
+// Scenes along a direction of their parameters, as problems for schemes: one class for each form, like those of
+// core/text/scenes.hpp, with a parameter that is a dual number. A step of a scheme in dual numbers then gives the
+// derivative of the scheme's own map by start and parameters.
 #pragma once
 
 #include <array>
@@ -18,10 +18,11 @@
 
 namespace least::variations {
 
-/// A form with numbers in the place of all parameters but one, which moves. Of its tapes, q are the variables from 0, p
-/// those from `room`, s is 2 room, and the one parameter 2 room + 1. Of a flow the variables, then the parameter.
+/// VariedFormulas is a form with numbers in the place of all parameters but the moved one. On the tapes of mechanics q
+/// begins at 0, p at `room`, s is variable 2 room, and the moved parameter 2 room + 1; on that of a flow the parameter
+/// follows the variables.
 struct VariedFormulas {
-  /// `moved`: which parameter; none: it is the start that moves. `room`: what the class has of coordinates.
+  /// `moved` is the moved parameter, none where only the start changes; `room` the number of coordinates of the class.
   VariedFormulas(const text::Form& form, std::span<const double> parameters, std::optional<std::size_t> moved,
                  std::size_t room);
 
@@ -29,15 +30,15 @@ struct VariedFormulas {
   bool reads_action;
   Slope parameter = 0;
   tape::Formula potential, gradient, damping, metric, rates;
-  tape::Formula hamiltonian, slopes;       ///< of (q, p, s): H; H_q, H_p, H_s
-  std::shared_ptr<const text::Lift> lift;  ///< of a general Hamiltonian that has one
+  tape::Formula hamiltonian, slopes;       ///< functions of (q, p, s): H; and (H_q, H_p, H_s)
+  std::shared_ptr<const text::Lift> lift;  ///< of a general Hamiltonian that has a lift, else null
   std::vector<Slope> inverse_mass;
   bool full_mass = false;
-  std::vector<Slope> mass_matrix, inverse_mass_matrix;  ///< where it is not diagonal, row by row
+  std::vector<Slope> mass_matrix, inverse_mass_matrix;  ///< where the metric is not diagonal, row-major
   Slope alpha = 0, gamma = 0, offset = 0;
 };
 
-/// A number with a slope as a T: with its slope where T has room for it.
+/// number_as<T> returns x with its slope where T has slopes, else the value alone.
 template <class T>
 T number_as(const Slope& x) {
   if constexpr (std::is_convertible_v<Slope, T>) {
@@ -47,7 +48,7 @@ T number_as(const Slope& x) {
   }
 }
 
-/// What is the same for all mechanics with a potential.
+/// VariedMechanics is the common part of all mechanics with a potential.
 template <int N>
 struct VariedMechanics {
   static constexpr int dof = N;
@@ -78,7 +79,7 @@ struct VariedMechanics {
   }
 };
 
-/// A constant metric: a mass for every coordinate.
+/// VariedMasses has a mass for every coordinate.
 template <int N>
 struct VariedMasses : VariedMechanics<N> {
   Vec<N, Slope> inverse_mass() const {
@@ -87,7 +88,7 @@ struct VariedMasses : VariedMechanics<N> {
     return inverse;
   }
 };
-/// Or a full matrix.
+/// VariedFullMass has a full constant mass matrix.
 template <int N>
 struct VariedFullMass : VariedMechanics<N> {
   Vec<N> inverse_mass() const { return {}; }  // what there is is no number for each coordinate

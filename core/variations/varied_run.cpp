@@ -7,9 +7,9 @@
 namespace least::variations {
 namespace {
 
-constexpr std::size_t time_column = 0;  // the first of every card
+constexpr std::size_t time_column = 0;  // the time is the first column of every card
 
-/// Rows that end with the time, which their receiver did not ask for.
+/// TimedRows passes rows on without their last column, the time, which it collects in `times`.
 class TimedRows final : public RowSink {
  public:
   TimedRows(RowSink& sink, std::size_t columns, std::size_t time, std::vector<double>& times)
@@ -51,7 +51,8 @@ Solution VariedRun::go(RowSink& sink, const std::atomic<bool>& cancelled) {
   if (added) {
     const std::int64_t rows = timed.most_rows();
     timed.columns.push_back(time_column);
-    timed.limits.samples = rows * static_cast<std::int64_t>(timed.columns.size());  // as many as without
+    // the limit counts numbers: keep the number of rows that the request has without the added column
+    timed.limits.samples = rows * static_cast<std::int64_t>(timed.columns.size());
   }
   TimedRows rows(sink, timed.columns.size(), place, times_);
   if (added) rows.take_off_the_last();

@@ -1,4 +1,4 @@
-// A run, and then the sensitivities of its states.
+// A run, followed by the derivatives of its states.
 #pragma once
 
 #include <atomic>
@@ -10,12 +10,13 @@
 namespace least::variations {
 
 class VariedRun {
+  /// VariedRun runs a request and remembers what its sensitivities need.
  public:
   VariedRun(Request request, std::shared_ptr<const SensitivitiesAsked> asked);
 
-  /// The run itself, as it is without sensitivities to the last bit.
+  /// go(…) runs the request; the rows are bitwise those of the run without sensitivities.
   Solution go(RowSink& sink, const std::atomic<bool>& cancelled);
-  /// Afterwards, of what it left behind, within what is left of its seconds.
+  /// sensitivities(…) is called after go(…), with its outcome; it uses what is left of the request's seconds.
   Sensitivities sensitivities(const Solution& outcome, const std::atomic<bool>& cancelled) const;
 
  private:
@@ -24,7 +25,7 @@ class VariedRun {
   Request request_;
   std::shared_ptr<const SensitivitiesAsked> asked_;
   Clock::time_point began_ = Clock::now();
-  std::vector<double> times_;  ///< of the samples, where these are asked for
+  std::vector<double> times_;  ///< times of the samples, where derivatives at samples are asked for
 };
 
 }  // namespace least::variations

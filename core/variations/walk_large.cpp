@@ -5,7 +5,7 @@ namespace {
 
 constexpr int most = 64;
 
-/// As scenes of any size have them (core/catalogue/sized_backend.cpp).
+/// The same explicit schemes that core/catalogue/sized_backend.cpp offers for scenes of any size.
 using Explicit = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, SymplecticEuler, Leapfrog, Ruth3,
                             ContactLeapfrog, ContactSplitting, ContactSymplecticEuler, LiftedSplitting>;
 

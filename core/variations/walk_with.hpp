@@ -1,4 +1,4 @@
-// How a scheme walks: for core/variations/walk_….cpp.
+// walk() for one scheme and one class of problem; included by core/variations/walk_….cpp.
 #pragma once
 
 #include <tuple>
@@ -9,11 +9,12 @@
 
 namespace least::variations {
 
-/// States of a problem with a slope.
+/// VariedState is the state of problem V with slopes in its components, not in its time.
 template <class V>
 using VariedState = typename FullStateOf<V>::template in<Slope, double>;
 
-/// Where the i-th component of a scene stands in such a state, which has room for more.
+/// place_of returns the index of the scene's i-th component in the state of V, which may have room for more
+/// coordinates.
 template <class V>
 std::size_t place_of(std::size_t i, std::size_t coordinates) {
   if constexpr (requires { V::dof; }) {
@@ -48,7 +49,7 @@ Walked walk_with(const Walk& on, const V& problem, const Scheme& scheme) {
   return made;
 }
 
-/// With the scheme of this id among some.
+/// walk_among walks the scheme with this id, if it is one of Scheme… and can be walked with V.
 template <class V, class... Scheme>
 std::optional<Walked> walk_among(const Walk* on, std::string_view id,
                                  const std::shared_ptr<const VariedFormulas>& formulas, std::tuple<Scheme...>*) {

@@ -35,7 +35,7 @@ Crossings crossings_of(const Stability& stability) {
 
 double multipliers_away_from(Bifurcation kind, const Stability& stability) {
   const std::span others = others_of(stability);
-  const auto turns = [](const Complex& value) { return value.imag() > 1e-9; };  // of pairs the one above
+  const auto turns = [](const Complex& value) { return value.imag() > 1e-9; };  // one of each complex pair
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < others.size(); ++i) {
     const Complex& value = others[i].value;
@@ -43,7 +43,7 @@ double multipliers_away_from(Bifurcation kind, const Stability& stability) {
     if (kind == Bifurcation::pitchfork_or_transcritical) nearest = std::min(nearest, std::abs(value - 1.0));
     if (kind != Bifurcation::torus || !turns(value)) continue;
     if (!keeps_pairs(stability)) nearest = std::min(nearest, std::abs(std::abs(value) - 1));
-    // Where two pairs meet they differ by the root of how far off that is.
+    // Two pairs about to collide differ by the square root of the distance from the collision, hence norm (|·|²).
     for (std::size_t k = 0; k < i && keeps_pairs(stability); ++k)
       if (turns(others[k].value)) nearest = std::min(nearest, std::norm(value - others[k].value));
   }

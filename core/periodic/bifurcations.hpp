@@ -1,22 +1,24 @@
-// What multipliers say of bifurcations of closed orbits. Source: Kuznetsov, Elements of Applied Bifurcation Theory,
-// 2004, 10.3.
+// Tests for bifurcations of closed orbits by their multipliers. Source: Kuznetsov, Elements of Applied Bifurcation
+// Theory, 2004, 10.3.
 #pragma once
 
 #include "core/periodic/closed_orbit.hpp"
 
 namespace least::periodic {
 
-/// Zero where a multiplier is −1, where one is 1, and where a pair goes through the unit circle: of what keeps the
-/// products of pairs the last has a sign alone, which changes where two pairs meet.
+/// Crossings are test functions that change sign at a bifurcation: `doubling` where a multiplier is −1, `branching`
+/// where one is 1, `torus` where a pair crosses the unit circle. Where products of pairs stay 1, pairs leave the circle
+/// by collision of two pairs, and `torus` is only a sign, 1 where a pair is off the circle, else −1.
 struct Crossings {
   double doubling = 0, branching = 0, torus = 0;
 
   double of(Bifurcation kind) const;
 };
+/// crossings_of evaluates the test functions, without the trivial multipliers.
 Crossings crossings_of(const Stability& stability);
 
-/// How far the nearest of the multipliers that are not explained is from where such a bifurcation has one; infinite
-/// where none could come there.
+/// multipliers_away_from returns the distance of the nearest non-trivial multiplier from its place at such a
+/// bifurcation; infinite where no multiplier can get there.
 double multipliers_away_from(Bifurcation kind, const Stability& stability);
 
 }  // namespace least::periodic

@@ -37,14 +37,15 @@ bool at_rest(const std::vector<double>& extents, const std::vector<double>& x) {
   return std::ranges::all_of(extents, [&](double extent) { return extent <= hardly * size; });
 }
 
-/// Units are never 0: of what does not move they are those of what does.
+/// Extents become units, which must not be 0: components that do not move get the largest unit.
 void make_units(std::vector<double>& extents) {
   const double most = *std::ranges::max_element(extents);
   for (double& extent : extents)
     if (!(extent > 0)) extent = most > 0 ? most : 1;
 }
 
-/// Coordinates on which the equations depend as on an angle, and that come back by whole turns alone.
+/// turns_of finds components that act as angles: the equations do not change by 2π, and the orbit closes up to whole
+/// turns.
 std::vector<double> turns_of(const Rates& rates, const Trial& trial, const std::vector<double>& end, double start) {
   constexpr double turn = 2 * std::numbers::pi;
   const std::vector<double>& x = trial.nodes[0];
@@ -66,7 +67,7 @@ std::vector<double> turns_of(const Rates& rates, const Trial& trial, const std::
   return turns;
 }
 
-/// How the period of a drive follows from a parameter; nothing where it does in none of the ways that are known.
+/// period_law finds how the period of the drive depends on the parameter; nothing where it is none of the known laws.
 std::optional<PeriodLaw> period_law(const Question& question) {
   const Scene& scene = *question.scene;
   const std::size_t parameter = question.family->index;
@@ -93,7 +94,7 @@ class Closing {
   Closing(const Question& question, std::shared_ptr<Motion> motion, Effort& effort, Answer& answer)
       : question_(question), motion_(std::move(motion)), effort_(effort), answer_(answer) {}
 
-  /// The closed orbit; nothing where none was found, for the reason that the answer has.
+  /// go() returns the closed orbit; nothing where none was found, and the answer has the reason.
   std::optional<Trial> go() {
     const Scene& scene = *question_.scene;
     setting_.scene = question_.scene;
@@ -118,7 +119,7 @@ class Closing {
   Shooting& shooting() { return *shooting_; }
 
  private:
-  /// What is known where nothing was found.
+  /// fill sets what is known even where no orbit is found.
   void fill(const Motion& motion, const Trial& trial) {
     const variations::ParametricScene& equations = motion.equations();
     setting_.fixed.assign(motion.size(), false);
@@ -152,7 +153,7 @@ class Closing {
       }
     }
     std::optional<Trial> closed = try_from(motion, trial);
-    // A guess off what attracts is nearer to it some periods later.
+    // A guess that is off an attracting orbit comes closer to it in a few periods.
     const bool free = question_.fixed.empty() && !question_.symmetric && !motion.symplectic();
     constexpr int later = 3;
     for (int k = 0; k < later && free && !closed && !effort_.over(); ++k) {
@@ -179,7 +180,7 @@ class Closing {
     return std::nullopt;
   }
 
-  /// The best that there is, however near it comes.
+  /// show puts a trial into the answer, however far from closed it is.
   void show(const Trial& trial) {
     std::string reason;
     if (const auto look = shooting_->look(trial, reason))
@@ -203,7 +204,7 @@ class Closing {
       closure = std::max(closure, std::abs(made.look.defects[row]) * setting_.extents[i] / extents[i]);
     }
     answer_.closed = made.closed && !rests && closure <= Shooting::close_enough;
-    if (answer_.closed || !(closure >= answer_.orbit.closure)) {  // the nearest of all that were tried
+    if (answer_.closed || !(closure >= answer_.orbit.closure)) {  // the nearest to closed of all that were tried
       answer_.orbit = orbit_of(*shooting_, setting_, made.trial, made.look, effort_);
       answer_.orbit.closure = closure;
     }
@@ -262,7 +263,8 @@ std::optional<Objection> objection(const Question& question) {
                      "the motion has " + std::to_string(components) + " variables: too many for an orbit to be closed",
                      "at most " + std::to_string(most_components)};
   };
-  if (const text::TextScene* text = scene.mechanics->text()) {  // before its equations are derived
+  // checked before the equations are derived, which may be expensive
+  if (const text::TextScene* text = scene.mechanics->text()) {
     const std::size_t count = text->form->coordinates * (text->form->kind == text::FormKind::flow ? 1 : 2);
     if (count > most_components) return too_many(count);
   }
@@ -330,7 +332,7 @@ Answer close_orbit(const Question& question, const Motions& motions, const std::
         setting.varied = question.family->index;
         setting.guess_value = question.scene->parameters[question.family->index];
         if (driven) setting.law = *period_law(question);
-        // Of what keeps its energy there is an orbit for each: that of the same period is the next.
+        // Where energy is conserved there is an orbit for each energy: the next member is the one of the same period.
         const bool of_one_energy = closing.shooting().prepare(*closed).keeps_energy();
         setting.period_held = of_one_energy && question.fixed.empty();
         if (setting.period_held) setting.law = PeriodLaw::kept;

@@ -9,9 +9,9 @@
 namespace least::periodic {
 namespace {
 
-constexpr std::size_t most_quadratic = 24;  // components of which products are looked at
+constexpr std::size_t most_quadratic = 24;  // components up to which products are tested
 
-/// Pairs of components whose product a monomial is; `none` in the place of the first: the second alone.
+/// monomials lists the monomials x_i x_j as pairs (i, j), and x_j as (none, j).
 constexpr std::size_t none = static_cast<std::size_t>(-1);
 std::vector<std::pair<std::size_t, std::size_t>> monomials(std::size_t size) {
   std::vector<std::pair<std::size_t, std::size_t>> all;
@@ -23,7 +23,7 @@ std::vector<std::pair<std::size_t, std::size_t>> monomials(std::size_t size) {
   return all;
 }
 
-/// What one of them adds to a gradient at y.
+/// add_slope adds the gradient of coefficient × monomial at y.
 void add_slope(const std::pair<std::size_t, std::size_t>& monomial, double coefficient, std::span<const double> y,
                std::vector<double>& gradient) {
   const auto [i, j] = monomial;
@@ -35,7 +35,7 @@ void add_slope(const std::pair<std::size_t, std::size_t>& monomial, double coeff
   }
 }
 
-/// Lengths of columns; 1 of those that have none.
+/// sizes_of returns the lengths of columns; 1 for columns of length 0.
 std::vector<double> sizes_of(const Matrix& columns) {
   std::vector<double> sizes(columns.columns);
   for (std::size_t k = 0; k < sizes.size(); ++k) {
@@ -75,7 +75,8 @@ Matrix Conserved::symmetries(std::span<const double> x, double t) const {
   return divided(raw_symmetries(x, t), symmetry_sizes_);
 }
 
-/// The form's tape numbers its variables in its own way: written anew for components, with parameters as numbers.
+/// read_declared rewrites the declared invariants, whose tape has the form's numbering, for components and with numbers
+/// for parameters.
 void Conserved::read_declared(const Scene& scene, double t) {
   const variations::ParametricScene& equations = motion_.equations();
   const text::Form& form = *equations.form;
@@ -134,7 +135,7 @@ std::vector<double> Conserved::point(Spread& spread) const {
   return x;
 }
 
-/// Σ c ∇m · ẋ = 0 at more places than there are coefficients c.
+/// find solves Σ c ∇m · ẋ = 0 for coefficients c of monomials m, at more points than there are coefficients.
 void Conserved::find(double t, double dt) {
   const std::size_t size = motion_.size();
   const auto all = monomials(size);
@@ -162,9 +163,9 @@ void Conserved::find(double t, double dt) {
   for (std::size_t k = 0; k < null.columns; ++k) found_.push_back(null.column(k));
 }
 
-/// Σ c (∇m · ẋ + αm) = 0 in the same way, of mechanics whose damping α depends on the time alone and is 0 in the mean:
-/// else a closed orbit has nothing of what decays, and no orbit is the next. Beside the monomials
-/// stands the constant 1, as they are of distances from the center.
+/// find_decaying solves Σ c (∇m · ẋ + αm) = 0 likewise, in mechanics whose damping α depends on time alone and has mean
+/// 0: otherwise such a quantity is 0 on a closed orbit, and orbits are isolated. The constant 1 is added to the
+/// monomials, as these are of distances from the center.
 void Conserved::find_decaying(double t, double dt) {
   const variations::ParametricScene& equations = motion_.equations();
   if (motion_.coordinates() == 0 || motion_.symplectic() || equations.acting || equations.forced) return;
@@ -204,7 +205,7 @@ void Conserved::find_decaying(double t, double dt) {
   }
 }
 
-/// ∫α dt by Gauss's rule of three points.
+/// damping_between returns ∫α dt, or ∫|α| dt, by three-point Gauss quadrature.
 double Conserved::damping_between(double from, double to, bool absolute) const {
   constexpr std::size_t parts = 256;
   constexpr double place = 0.7745966692414834;
@@ -218,9 +219,9 @@ double Conserved::damping_between(double from, double to, bool absolute) const {
   return sum;
 }
 
-/// The gradient of what is kept goes with the motion: where it vanishes at one place of an orbit it does so at all, as
-/// that of the energy of a mode which rests. Then nothing follows from it, and what rounding leaves of it has no
-/// direction.
+/// find_felt marks gradients that vanish at the center. The flow transports the gradient of a conserved quantity, so
+/// that it vanishes either along the whole orbit or nowhere, as for the energy of a mode at rest. A vanishing gradient
+/// makes no equation redundant, and its rounded remains have no meaningful direction.
 void Conserved::find_felt(double t) {
   constexpr int looks = 8;
   constexpr double nothing = 1e-7;
@@ -264,7 +265,7 @@ Matrix Conserved::raw_gradients(std::span<const double> x, double t) const {
   const std::vector<double> y = scaled(x);
   for (const auto& coefficients : found_) add(gradient_at(y, coefficients, 1));
   if (decaying_.empty()) return columns;
-  const double grown = std::exp(damping_between(start_, t, false));  // kept is I e^{∫α dt}
+  const double grown = std::exp(damping_between(start_, t, false));  // conserved is I e^{∫α dt}
   for (const auto& coefficients : decaying_) add(gradient_at(y, coefficients, grown));
   return columns;
 }
@@ -287,7 +288,7 @@ Matrix Conserved::raw_symmetries(std::span<const double> x, double t) const {
   }
   Matrix of = motion_.symplectic() ? raw_gradients(x, t) : Matrix(size, 0);
   for (const auto& coefficients : decaying_) of.add_column(gradient_at(scaled(x), coefficients, 1));
-  for (std::size_t k = 0; k < of.columns; ++k) {  // q̇ = ∂I/∂p, ṗ = −∂I/∂q; of H it is ẋ once more
+  for (std::size_t k = 0; k < of.columns; ++k) {  // q̇ = ∂I/∂p, ṗ = −∂I/∂q; for I = H this is ẋ again
     std::vector<double> way(size);
     for (std::size_t i = 0; i < n; ++i) {
       way[i] = of(n + i, k) / (extents_[n + i] * extents_[i]);

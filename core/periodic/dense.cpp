@@ -27,7 +27,7 @@ Orthogonal factors(const Dense& a, double threshold) {
   return made;
 }
 
-/// With A P = Q [T 0; 0 0] Z the last columns of P Zᵀ are what A maps to 0.
+/// With A P = Q [T 0; 0 0] Z the last columns of P Zᵀ span the null space of A.
 Dense null_space(const Orthogonal& of) {
   const Eigen::Index n = of.cols(), rank = of.rank();
   const Dense z = rank < n ? Dense(of.matrixZ().transpose()) : Dense::Identity(n, n);
@@ -96,7 +96,7 @@ Decomposition decompose(const Matrix& a, std::span<const double> b, double thres
 
 namespace {
 
-/// Of columns: the first of Q span what they span.
+/// The first `rank` columns of Q span the given columns.
 struct Spanned {
   Dense q;
   Eigen::Index rank;
@@ -129,7 +129,7 @@ Matrix span_of(const Matrix& columns, double threshold, double size) {
   return plain(made.q.leftCols(made.rank));
 }
 
-/// From the diagonal blocks of the real Schur form, of one and of two rows.
+/// Read off the diagonal blocks, of one or two rows, of the real Schur form.
 std::vector<std::complex<double>> eigenvalues(const Matrix& square) {
   const std::size_t n = square.rows;
   std::vector<std::complex<double>> values(n);
@@ -150,7 +150,7 @@ std::vector<std::complex<double>> eigenvalues(const Matrix& square) {
   return values;
 }
 
-/// What A − λ maps to nothing: it is orthogonal to all rows.
+/// The null space of A − λ: orthogonal to all rows.
 std::vector<double> eigenvector(const Matrix& square, double value) {
   Matrix rows = transposed(square);
   for (std::size_t i = 0; i < rows.rows; ++i) rows(i, i) -= value;

@@ -1,5 +1,4 @@
-// Small dense matrices whose size is known when they are made, and what closed orbits need of them. dense.cpp alone
-// sees Eigen.
+// Small dense matrices of dynamic size, and the linear algebra that closed orbits need. Only dense.cpp includes Eigen.
 #pragma once
 
 #include <complex>
@@ -9,7 +8,7 @@
 
 namespace least::periodic {
 
-/// Row by row.
+/// Matrix is stored row by row.
 struct Matrix {
   std::size_t rows = 0, columns = 0;
   std::vector<double> a;
@@ -26,25 +25,27 @@ Matrix operator*(const Matrix& a, const Matrix& b);
 std::vector<double> operator*(const Matrix& a, std::span<const double> x);
 Matrix transposed(const Matrix& a);
 double dot(std::span<const double> a, std::span<const double> b);
-/// Of the Euclidean kind.
+/// length returns the Euclidean norm.
 double length(std::span<const double> a);
 
-/// A complete orthogonal decomposition, which tells the rank: pivots below `threshold` times the largest count as none.
+/// decompose makes a complete orthogonal decomposition, which reveals the rank: pivots below `threshold` times the
+/// largest count as zero.
 /// Source: Golub & Van Loan, Matrix Computations, 2013, 5.5.
 struct Decomposition {
   Matrix null;                   ///< an orthonormal basis of the null space, as columns
-  std::vector<double> solution;  ///< of A x = b in the sense of least squares, of all of these the shortest
+  std::vector<double> solution;  ///< the least-squares solution of A x = b with the smallest norm
 };
 Decomposition decompose(const Matrix& a, std::span<const double> b, double threshold);
-/// An orthonormal basis of what the columns span. What is below `threshold` times the largest or `size` is nothing.
+/// span_of returns an orthonormal basis of the span of the columns. Anything below `threshold` times the larger of
+/// `size` and the largest column counts as zero.
 Matrix span_of(const Matrix& columns, double threshold, double size = 0);
-/// One of what is orthogonal to all of them.
+/// orthogonal_to returns an orthonormal basis of the orthogonal complement of that span.
 Matrix orthogonal_to(const Matrix& columns, double threshold, double size = 0);
-/// The same where so many of them are known to be independent.
+/// complement_of returns the same where the rank of the columns is known.
 Matrix complement_of(const Matrix& columns, std::size_t rank);
 
 std::vector<std::complex<double>> eigenvalues(const Matrix& square);
-/// Of the real eigenvalue next to `value`, of length 1.
+/// eigenvector returns the unit eigenvector of the real eigenvalue closest to `value`.
 std::vector<double> eigenvector(const Matrix& square, double value);
 
 }  // namespace least::periodic

@@ -1,8 +1,8 @@
-// Families of closed orbits by pseudo-arclength: a step along the tangent, and Newton's method at right angles to it,
-// so that folds are no end. Steps grow and shrink by how many iterations that takes. Between two members a bifurcation
-// is told by what changes its sign, and found by the secant method. Sources: Keller, in Applications of Bifurcation
-// Theory, 1977, 359; Doedel, Keller, Kernévez, Int. J. Bifurcation and Chaos 1, 493 (1991); Kuznetsov, Elements of
-// Applied Bifurcation Theory, 2004, 10.3.
+// Families of closed orbits by pseudo-arclength continuation: a step along the tangent, then Newton's method orthogonal
+// to it, so that the family continues through folds. Step lengths adapt to the number of iterations. A bifurcation
+// between two members is detected by the change of sign of a test function, and located by the secant method. Sources:
+// Keller, in Applications of Bifurcation Theory, 1977, 359; Doedel, Keller, Kernévez, Int. J. Bifurcation and Chaos 1,
+// 493 (1991); Kuznetsov, Elements of Applied Bifurcation Theory, 2004, 10.3.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ namespace {
 
 using By = FamilyAsked::By;
 
-/// A member on the way.
+/// Step is a member together with what continuing from it needs.
 struct Step {
   Trial trial;
   Look look;
@@ -85,9 +85,10 @@ class Family {
   bool fixed() const {
     return std::ranges::any_of(setting_.fixed, [](bool one) { return one; });
   }
-  /// What is held without having been asked for, so that a family has one member for each value, lets go where that
-  /// leaves none: the period along a parameter, as of an oscillator whose period is the same for all amplitudes; along
-  /// a start the symmetries that move it, as turns of the whole orbit do. False: there was nothing like that.
+  /// let_more_move releases a constraint that was set only to make members unique for each value, where it leaves no
+  /// family at all: in a family by parameter, the period (an oscillator may have the same period for all amplitudes);
+  /// in a family by start, the symmetries that move the start (such as rotations of the whole orbit). False: there was
+  /// no such constraint.
   bool let_more_move(const Step& first) {
     if (asked_.by == By::start && !fixed()) {
       setting_.led = component();
@@ -99,8 +100,8 @@ class Family {
     return true;
   }
 
-  /// Components of the start that could change beside the family, as an amplitude can, become fixed: of each such way
-  /// that which changes the most.
+  /// hold_start fixes components of the start that could change independently of the family's parameter, as an
+  /// amplitude can: for each such direction, the component that changes most.
   void hold_start(const Step& first) {
     constexpr double hardly = 1e-6;
     const std::vector<double> wish = gradient(first.trial);
@@ -125,7 +126,7 @@ class Family {
     }
   }
 
-  /// Of the value, in its unit, by the unknowns in theirs.
+  /// gradient returns the derivative of the family's number by the unknowns, both in their units.
   std::vector<double> gradient(const Trial& trial) {
     std::vector<double> made(Shooting::unknowns(trial));
     const std::size_t at_period = made.size() - 2, at_value = made.size() - 1;
@@ -139,7 +140,7 @@ class Family {
     return made;
   }
 
-  /// The tangent next to a wish, what is tested, the orbit. False: there is no tangent.
+  /// finish computes the tangent closest to a wish, the test functions and the orbit. False: there is no tangent.
   bool finish(Step& step, const std::vector<double>& wish) {
     step.tangent = shooting_.along_family(step.trial, step.look, wish);
     const double size = length(step.tangent);
@@ -167,7 +168,8 @@ class Family {
     return take_(std::move(member));
   }
 
-  /// The member at the distance ds along the tangent of another one; at `to` itself where that is asked for.
+  /// step_from returns the member at the distance ds along the tangent of `here`; with `land`, the member whose number
+  /// is `to`.
   std::optional<Step> step_from(const Step& here, double ds, bool land, int& iterations) {
     constexpr int most_corrections = 12;
     const Trial aim = moved(here.trial, setting_, here.tangent, ds);
@@ -186,8 +188,8 @@ class Family {
     return next;
   }
 
-  /// The tangent next to that at another member; where symmetries leave more than one, that along which the number
-  /// moves the most.
+  /// way_on returns the direction to which the next tangent should be close: the previous tangent, or, where symmetries
+  /// leave several, the direction in which the family's number changes most.
   std::vector<double> way_on(const Step& from, const Trial& at) {
     if (!setting_.led) return from.tangent;
     std::vector<double> wish = gradient(at);
@@ -196,7 +198,7 @@ class Family {
     return wish;
   }
 
-  /// Of all unknowns, in their units.
+  /// change returns the differences of all unknowns, in their units.
   std::vector<double> change(const Trial& from, const Trial& to) const {
     const std::size_t n = from.nodes[0].size();
     std::vector<double> made;
@@ -208,8 +210,8 @@ class Family {
     return made;
   }
 
-  /// Whether a step has stayed on its curve, where Newton's method may have come to another family that is near: the
-  /// chord between two places of a short arc makes small angles with the tangents at both, and about the same ones.
+  /// connected tells whether a step stayed on its curve, or Newton's method jumped to a neighbouring family: the chord
+  /// of a short arc makes small and similar angles with the tangents at both ends.
   bool connected(const Step& a, const Step& b, double ds) const {
     constexpr double too_far = 3, least_cosine = 0.8, least_between = 0.5, about = 0.25;
     const std::vector<double> chord = change(a.trial, b.trial);
@@ -260,7 +262,8 @@ class Family {
   }
   std::string over() const { return effort_.why(); }
 
-  /// Whether the family ends in an equilibrium, or its period grows beyond all bounds.
+  /// vanishes says whether the family ends in an equilibrium, or with a period that grows without bound; empty
+  /// otherwise.
   std::string vanishes(const Step& step) {
     constexpr double hardly = 1e-5, endless = 1e3;
     Motion& motion = shooting_.prepare(step.trial);
@@ -274,14 +277,15 @@ class Family {
     return {};
   }
 
-  /// What is between two members.
+  /// Between is what look_between finds between two members.
   struct Between {
-    std::optional<Step> found;  ///< the member at which a bifurcation is
+    std::optional<Step> found;  ///< the member at the bifurcation
     Bifurcation kind = Bifurcation::none;
-    bool unclear = false;  ///< what tells of one changes its sign, and there is none: they are of two curves, it may be
+    /// a test function changes sign without a bifurcation: the two members may belong to different curves
+    bool unclear = false;
   };
   Between look_between(const Step& a, const Step& b, double ds) {
-    constexpr double always = 1e-6;  // where rounding alone makes the sign, at both of them
+    constexpr double always = 1e-6;  // distances below which rounding alone decides the sign at both ends
     const bool same_count = a.orbit.stability.trivial() == b.orbit.stability.trivial();
     Between made;
     for (const Bifurcation kind : {Bifurcation::fold, Bifurcation::period_doubling,
@@ -290,7 +294,7 @@ class Family {
       if ((at_a < 0) == (at_b < 0) || at_a == 0 || (kind != Bifurcation::fold && !same_count)) continue;
       if (kind == Bifurcation::torus ? at_b == 0 : std::max(away_from(kind, a), away_from(kind, b)) < always) continue;
       Step nearest = zero_between(a, b, ds, kind);
-      // A multiplier that has come to 1 may be among those that are explained.
+      // A multiplier that has reached 1 may have been counted among the trivial ones.
       const bool explained = kind == Bifurcation::pitchfork_or_transcritical &&
                              nearest.orbit.stability.trivial() > a.orbit.stability.trivial();
       constexpr double at_it = 1e-3;
@@ -300,7 +304,7 @@ class Family {
     }
     return made;
   }
-  /// What changes its sign at a bifurcation, and how far from 0 the member is.
+  /// sign_of returns the test function of a bifurcation, away_from how far the member is from it.
   static double sign_of(Bifurcation kind, const Step& step) {
     return kind == Bifurcation::fold ? step.pace : step.crossings.of(kind);
   }
@@ -308,8 +312,8 @@ class Family {
     return kind == Bifurcation::fold ? std::abs(step.pace) : multipliers_away_from(kind, step.orbit.stability);
   }
 
-  /// The member of those between two at which that is 0, by the secant method that keeps its bracket, halving what
-  /// does not move (Illinois).
+  /// zero_between returns the member between two others at which the test function vanishes, by regula falsi with the
+  /// Illinois modification.
   Step zero_between(const Step& a, const Step& b, double ds, Bifurcation kind) {
     constexpr int rounds = 24;
     constexpr double close = 1e-9;
@@ -323,7 +327,8 @@ class Family {
       if (!made) break;
       const double here = sign_of(kind, *made);
       const bool nearer =
-          std::abs(here) <= std::abs(sign_of(kind, best)) || round == 0;  // that for a torus may have a sign alone
+          // the test for a torus may be a mere sign, so that sizes do not compare
+          std::abs(here) <= std::abs(sign_of(kind, best)) || round == 0;
       if (nearer) best = std::move(*made);
       if (here == 0) break;
       if ((here < 0) == (at_low < 0)) {
@@ -341,7 +346,7 @@ class Family {
     return best;
   }
 
-  /// Where differences have come to grow too fast, with the tangent as far as it is known.
+  /// more_nodes refines a member whose differences grow too fast, keeping the known parts of its tangent.
   bool more_nodes(Step& step) {
     Trial finer = step.trial;
     std::string reason;

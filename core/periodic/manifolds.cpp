@@ -1,5 +1,6 @@
-// What comes to a closed orbit and what leaves it: from places along the orbit a little way along the direction that
-// grows the fastest, forward for the unstable manifold and backward for the stable one, of which backward the same
+// Stable and unstable manifolds of a closed orbit: trajectories begin at places along the orbit, slightly off in the
+// direction of the fastest growth, and run forward for the unstable manifold and backward for the stable one, whose
+// direction grows backward.
 // direction grows. Source: Parker & Chua, Practical Numerical Algorithms for Chaotic Systems, 1989, 6.2.
 #include <algorithm>
 #include <cmath>
@@ -10,9 +11,9 @@
 namespace least::periodic {
 namespace {
 
-constexpr double offset = 1e-6;  // of the orbit's extents: how far trajectories begin from it
+constexpr double offset = 1e-6;  // distance of starts from the orbit, in units of its extents
 
-/// The orbit as the equations of a scene that goes backward have it, from the same place.
+/// turned_around returns the orbit as a trial of the time-reversed scene, from the same place.
 Trial turned_around(const Trial& trial, const variations::ParametricScene& equations, std::vector<double> turns) {
   Trial made{{}, {}, trial.period, trial.value};
   const std::size_t count = trial.nodes.size();
@@ -26,9 +27,9 @@ Trial turned_around(const Trial& trial, const variations::ParametricScene& equat
   return made;
 }
 
-/// More nodes of a forward orbit, where differences of the backward motion grow by more than is good from one to the
-/// next: what attracts strongly can be followed backward over a small part of the period alone. False: they would be
-/// too many.
+/// refine_for_the_way_back inserts nodes into a forward orbit where differences of the backward motion grow too much in
+/// a segment: a strongly attracting orbit can be followed backward over short parts only. False: too many nodes are
+/// needed.
 bool refine_for_the_way_back(Trial& trial, const Setting& setting, Motion& forward, Motion& back, double start,
                              Effort& effort) {
   constexpr double most_of_one = 3e3, wanted = 300;
@@ -39,7 +40,7 @@ bool refine_for_the_way_back(Trial& trial, const Setting& setting, Motion& forwa
     const Trial turned = turned_around(trial, back.equations(), setting.turns);
     Trial finer{{}, {}, trial.period, trial.value};
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t k = count - 1 - i;  // the same part of the orbit, backward
+      const std::size_t k = count - 1 - i;  // the same segment in the reversed order
       const double from = trial.at[i], to = i + 1 < count ? trial.at[i + 1] : 1;
       std::string reason;
       const auto reached =
@@ -131,7 +132,7 @@ class Growing {
     return way;
   }
 
-  /// The state at a part of the period behind a node, and the direction there.
+  /// motion_at returns the state, and the transported direction, at the fraction `at` of the period behind a node.
   std::optional<std::pair<std::vector<double>, std::vector<double>>> motion_at(const Trial& orbit, std::size_t node,
                                                                                double at,
                                                                                const std::vector<double>& way,
@@ -143,7 +144,7 @@ class Growing {
     return std::pair(reached->state, unit(in_units(reached->by_start) * way));
   }
 
-  /// As far as it can be followed.
+  /// curve follows a trajectory as far as possible.
   Manifold::Curve curve(std::vector<double> x, const std::vector<double>& way, int side, double t) {
     const std::int64_t samples = samples_of_a_curve(question_, motion_.size());
     Manifold::Curve made;
@@ -157,7 +158,7 @@ class Growing {
     made.states.insert(made.states.begin(), std::move(x));
     made.t.resize(made.states.size());
     const variations::ParametricScene& equations = motion_.equations();
-    for (double& time : made.t) time = equations.sign_of_time() * time + 0.0;  // 0 for −0
+    for (double& time : made.t) time = equations.sign_of_time() * time + 0.0;  // + 0.0 turns −0 into 0
     for (auto& state : made.states)
       for (std::size_t a = 0; a < state.size(); ++a) state[a] = equations.signs[a] * state[a] + 0.0;
     return made;

@@ -1,4 +1,4 @@
-// A scene's motion over some time with its derivatives, as what closes orbits asks for it again and again.
+// The motion of a scene over some time and its derivatives, which closing an orbit evaluates again and again.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@
 
 namespace least::periodic {
 
-/// What a request may still cost. Once it says no it goes on saying no.
+/// Effort counts steps and time of a request against its limits. Once it has run out, it stays so.
 class Effort {
  public:
   Effort(KeepGoing keep_going, std::int64_t most_steps) : keep_going_(std::move(keep_going)), most_(most_steps) {}
 
-  /// Before each step.
+  /// go() is called before each step and tells whether the step may be taken.
   bool go() {
     if (over_) return false;
     if (++steps_ > most_) out_of_steps_ = true;
@@ -32,7 +32,7 @@ class Effort {
   }
   bool over() const { return over_; }
   bool out_of_steps() const { return out_of_steps_; }
-  /// What is over, in words.
+  /// why() says which limit was reached.
   const char* why() const {
     return out_of_steps_ ? "the steps that the request has were taken" : "the time that the request has was over";
   }
@@ -44,47 +44,51 @@ class Effort {
   bool over_ = false, out_of_steps_ = false;
 };
 
-/// Where a motion comes to, and how that changes.
+/// Reached is the end of a motion and its derivatives.
 struct Reached {
   std::vector<double> state;
   Matrix by_start;                   ///< ∂x(t₁)/∂x(t₀)
-  std::vector<double> by_parameter;  ///< by the parameter that is varied; empty: none is
+  std::vector<double> by_parameter;  ///< ∂x(t₁)/∂θ by the varied parameter θ; empty where none is varied
 };
 
+/// Motion evaluates the equations of a ParametricScene and follows their solutions.
 class Motion {
  public:
   using Equations = std::shared_ptr<const variations::ParametricScene>;
 
-  /// `varied`: the parameter of the card that derivatives are by, too. `tolerance`: as of the scheme `taylor`. Throws
-  /// tape::TooManyOperations where the equations of a single derivative are too long, MemoryShortage.
+  /// `varied` is a parameter of the card to differentiate by as well; `tolerance` is that of the scheme `taylor`.
+  /// Throws tape::TooManyOperations where even a single direction has too long equations, MemoryShortage.
   Motion(Equations equations, std::optional<std::size_t> varied, double tolerance);
 
   const variations::ParametricScene& equations() const { return *equations_; }
   std::size_t size() const { return equations_->components; }
   std::size_t coordinates() const { return equations_->coordinates; }
   bool autonomous() const { return autonomous_; }
-  /// Whether H is kept, and symplectic maps are what the motion consists of.
+  /// keeps_energy() tells whether H is conserved, symplectic() whether the flow is symplectic.
   bool keeps_energy() const { return keeps_energy_; }
   bool symplectic() const { return symplectic_; }
 
   std::vector<double> rates(std::span<const double> x, double t) const { return values(rates_, x, t); }
-  /// H; NaN where there is none.
+  /// energy returns H; NaN where there is none.
   double energy(std::span<const double> x, double t) const { return values(energy_, x, t)[0]; }
   std::vector<double> energy_gradient(std::span<const double> x, double t) const;
-  /// ∂H/∂s: areas shrink by e^{−∫∂H/∂s dt}.
+  /// action_slope returns ∂H/∂s: the flow scales dq∧dp by e^{−∫∂H/∂s dt}.
   double action_slope(std::span<const double> x, double t) const { return values(action_slope_, x, t)[0]; }
-  /// Σ ∂ẋᵢ/∂xᵢ; NaN where its formula is too long. Made when it is asked for, which is seldom.
+  /// divergence returns Σ ∂ẋᵢ/∂xᵢ; NaN where its formula is too long. The formula is made on first use, as it is seldom
+  /// needed.
   double divergence(std::span<const double> x, double t);
 
-  /// From x at t over a time dt > 0. Nothing: it cannot be followed, for the reason given.
+  /// follow integrates from x at time t over dt > 0. Nothing where the motion cannot be followed; `reason` then says
+  /// why.
   std::optional<Reached> follow(std::span<const double> x, double t, double dt, Effort& effort, std::string& reason);
-  /// The state alone, at these times, which increase. What was reached in time where it cannot be followed.
+  /// path returns the states at these ascending times. Where the motion cannot be followed, it stops at the last
+  /// reached time.
   std::vector<std::vector<double>> path(std::span<const double> x, double t, std::span<const double> times,
                                         Effort& effort, std::string& reason);
 
  private:
   struct Part {
-    std::size_t first, count;  ///< of the directions
+    std::size_t first, count;  ///< range of directions
     variations::VariedMotion motion;
   };
   std::vector<double> values(const tape::Formula& formula, std::span<const double> x, double t) const;
@@ -99,7 +103,7 @@ class Motion {
   variations::VariedMotion alone_;
 };
 
-/// Numbers between −1 and 1, the same ones everywhere.
+/// Spread returns pseudo-random numbers between −1 and 1, the same sequence on all platforms.
 class Spread {
  public:
   double operator()() { return 2 * (static_cast<double>(engine_()) / 4294967295.0) - 1; }

@@ -27,7 +27,8 @@ std::shared_ptr<const Scene> scene_at(const Setting& setting, const variations::
   if (setting.varied) scene->parameters[*setting.varied] = trial.value;
   for (std::size_t i = 0; i < equations.components; ++i) scene->initial[equations.variables[i]] = trial.nodes[0][i];
   const auto& variables = scene->card().variables;
-  for (std::size_t i = 0; i < variables.size(); ++i)  // what follows from the others is not that of the guess
+  // variables that follow from the others are not copied from the guess
+  for (std::size_t i = 0; i < variables.size(); ++i)
     if (std::isnan(variables[i].value)) scene->initial[i] = variables[i].value;
   return scene;
 }
@@ -177,7 +178,7 @@ bool close_half(Motion& motion, const Setting& setting, const std::vector<bool>&
 double nearest_return(Motion& motion, const Setting& setting, const Trial& guess, Effort& effort) {
   constexpr double by_far = 0.5;
   constexpr std::size_t looks = 512;
-  constexpr int rounds = 3;  // each looks closer at where the last one has found it
+  constexpr int rounds = 3;  // each zooms in on the minimum of the last one
   double nearest = std::numeric_limits<double>::infinity(), found = guess.period;
   const auto look = [&](const std::vector<double>& times) {
     std::string reason;

@@ -1,4 +1,4 @@
-// What the steps of closing an orbit share: units, what a trial says as an orbit, symmetry in time.
+// Shared steps of closing an orbit: units, orbits from trials, time-reversal symmetry.
 #pragma once
 
 #include <functional>
@@ -8,49 +8,53 @@
 
 namespace least::periodic {
 
-/// The scene's equations with some parameters of the card as variables, or why there are none.
+/// equations_of returns the scene's equations with the parameter `varied` as a variable, or why there are none.
 std::variant<Motion::Equations, std::string> equations_of(const Scene& scene, std::optional<std::size_t> varied);
 
-/// The components of a start, as the equations have them, and the scene that starts at them; backward, if they are.
+/// components_of returns a scene's start in the order of the equations' components; scene_at returns the scene that
+/// starts on the trial.
 std::vector<double> components_of(const variations::ParametricScene& equations, const Scene& scene);
 std::shared_ptr<const Scene> scene_at(const Setting& setting, const variations::ParametricScene& equations,
                                       const Trial& trial);
 
-/// How far an orbit moves: coordinates, momenta, s and the variables of a flow each as far as those of their kind that
-/// move the farthest; 0 where none of a kind moves. Empty: it cannot be followed, for the reason.
+/// extents_of returns by how much an orbit moves, by component: coordinates, momenta, s, and the variables of a flow,
+/// each get the largest extent of their kind, 0 where none of the kind moves. Empty where the orbit cannot be followed;
+/// `reason` then says why.
 std::vector<double> extents_of(Motion& motion, const Trial& trial, double start, Effort& effort, std::string& reason);
 
-/// ẋ of components at a time.
+/// Rates returns ẋ at a state and a time.
 using Rates = std::function<std::vector<double>(std::span<const double> x, double t)>;
-/// Whether equations are the same after a time, at places around one.
+/// repeats tells whether a(x, t) = b(x, t + later), at random places around x and times within dt.
 bool repeats(const Rates& a, const Rates& b, std::span<const double> x, double t, double dt, double later);
-/// The components that change their sign where a motion is reversed in time, of those that are 0: a start so that the
-/// motion crosses what stays as it is at right angles. Nothing: there are none.
+/// reversed_components looks for a time-reversal symmetry that flips the sign of some components, all 0 at the start:
+/// then the orbit crosses the symmetry's fixed set at right angles. Returns by component whether it is flipped; nothing
+/// where there is no such symmetry.
 std::optional<std::vector<bool>> reversed_components(const Rates& rates, std::span<const double> x, double t,
                                                      std::size_t coordinates);
 
-/// Half an orbit between two crossings at right angles: what is reversed is 0 at both. `trial`: the guess, which
-/// becomes it. False: there is none, for the reason.
+/// close_half finds half an orbit between two right-angle crossings: the `minus` components are 0 at both. `trial` is
+/// the guess and becomes the solution. False: none was found; `reason` says why.
 bool close_half(Motion& motion, const Setting& setting, const std::vector<bool>& minus, Trial& trial, Effort& effort,
                 int& iterations, std::string& reason);
 
-/// An orbit, with its multipliers where it is closed.
+/// orbit_of returns a trial as an Orbit, with multipliers where it is closed.
 Orbit orbit_of(Shooting& shooting, const Setting& setting, const Trial& trial, const Look& look, Effort& effort);
 
-/// The time, of those not too far from a guess, after which a motion comes by far the nearest to its start; the guess
-/// itself where it is about as good. The start is that of the guess.
+/// nearest_return returns the time, near the guess's period, at which the motion comes closest to its start; the
+/// guess's period where that is less than twice as far off.
 double nearest_return(Motion& motion, const Setting& setting, const Trial& guess, Effort& effort);
 
-/// A family from its first orbit on; `motion`: for the value that it begins with; `take` says of each member whether
-/// more are wanted. Why it ends.
+/// follow_family follows a family from its first orbit and returns why it ends. `motion` belongs to the value at which
+/// the family begins; `take` receives each member and returns whether more are wanted.
 std::string follow_family(const Question& question, Setting setting, std::shared_ptr<Motion> motion, const Trial& first,
                           Effort& effort, const std::function<bool(Member&&)>& take);
 
-/// How many states a trajectory of a manifold keeps, and all that they hold.
+/// samples_of_a_curve returns the number of states that a manifold's trajectory keeps; bytes_of_manifolds the memory of
+/// all.
 std::int64_t samples_of_a_curve(const Question& question, std::size_t components);
 std::size_t bytes_of_manifolds(const Question& question, std::size_t components);
 
-/// The unstable and the stable manifold of a closed orbit.
+/// manifolds_of returns the unstable and the stable manifold of a closed orbit.
 std::vector<Manifold> manifolds_of(const Question& question, const Setting& setting, Motion& forward,
                                    const Trial& closed, Effort& effort);
 

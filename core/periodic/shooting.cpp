@@ -7,10 +7,10 @@
 namespace least::periodic {
 namespace {
 
-constexpr double no_pivot = 1e-10;  // below which, of the largest, a pivot counts as none
+constexpr double no_pivot = 1e-10;  // relative to the largest pivot, below which a pivot counts as zero
 constexpr double hardly_independent = 1e-8;
 
-/// The scene's equations with another value of a parameter.
+/// equations_with returns the scene's equations for another value of the varied parameter.
 Motion::Equations equations_with(const Setting& setting, double value) {
   Scene scene = *setting.scene;
   std::vector<bool> varied(scene.card().parameters.size(), false);
@@ -95,7 +95,7 @@ std::optional<Look> Shooting::look(const Trial& trial, std::string& reason) {
 bool Shooting::refine(Trial& trial, std::string& reason) {
   constexpr double most_in_all = 1e4, most_of_one = 3e3, wanted = 300;
   constexpr int rounds = 8;
-  constexpr std::size_t most_equations = 512;  // of equations, whose solution takes as long as the third power of it
+  constexpr std::size_t most_equations = 512;  // the solution of n equations takes of the order n³
   const std::size_t most_nodes = std::max<std::size_t>(most_equations / trial.nodes[0].size(), 1);
   for (int round = 0; round < rounds; ++round) {
     const auto seen = look(trial, reason);
@@ -133,7 +133,7 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
   const std::size_t at_period = size, at_value = size + 1;
   const std::vector<double>& unit = setting_.extents;
   Matrix rows(size, size + 2);
-  Matrix kept(size, 0);  // what of the defects follows from the others: those of the kept quantities
+  Matrix kept(size, 0);  // directions of the defects that conserved quantities make redundant
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t next = (i + 1) % count;
     const double from = trial.at[i], to = next > 0 ? trial.at[next] : 1;
@@ -189,8 +189,9 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
   return made;
 }
 
-/// Where the orbit may be moved along itself, or by another symmetry, it is not: but for what fixed components say, and
-/// for the way that moves a component by which a family is led. As columns.
+/// ways_that_rest returns, as columns, the directions of symmetries along which the first node must not move: all of
+/// them, except combinations that fixed components rule out already, and the one that moves the component `led` of a
+/// family.
 Matrix Shooting::ways_that_rest(const Trial& trial) const {
   constexpr double hardly = 1e-4;
   Matrix ways = conserved_->symmetries(trial.nodes[0], setting_.start());
@@ -205,7 +206,7 @@ Matrix Shooting::ways_that_rest(const Trial& trial) const {
   if (pinned.rows > 0) still = ways * orthogonal_to(transposed(pinned), hardly, 1);
   still = span_of(still, hardly_independent, 1);
   if (!setting_.led) return still;
-  // Moved along itself it would be the same orbit: the way has to be at right angles to that.
+  // Moving the orbit along itself gives the same orbit: the direction must be orthogonal to ẋ.
   Matrix along(ways.rows, 0);
   if (motion_->autonomous()) along.add_column(ways.column(0));
   const Matrix across = still * orthogonal_to(transposed(still) * along, hardly, 1);

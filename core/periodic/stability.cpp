@@ -11,12 +11,12 @@ namespace least::periodic {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double dependent = 1e-7;  // columns of which a part is smaller depend on the others
-constexpr double at_one = 1e-7;     // a multiplier so near to the unit circle does not tell on which side it is
+constexpr double dependent = 1e-7;  // columns with a smaller independent part count as dependent
+constexpr double at_one = 1e-7;     // a multiplier this close to the unit circle may be on either side of it
 
-/// Eigenvalues of the product of blocks, the last first, each of them well conditioned however large the product is: of
-/// the matrix that has them in a circle they are the m-th roots, of which one sector has each once. Source: Bojanczyk,
-/// Golub, Van Dooren, Proc. SPIE 1770, 31 (1992), whose cyclic matrix it is.
+/// eigenvalues_of_product returns the eigenvalues of a product of m blocks, the first applied first. The product may be
+/// ill-conditioned: its eigenvalues are the m-th powers of those of the block-cyclic matrix, of which one sector of
+/// angle 2π/m contains each once. Source: Bojanczyk, Golub, Van Dooren, Proc. SPIE 1770, 31 (1992).
 std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
   const std::size_t count = blocks.size(), n = blocks[0].rows;
   if (count == 1 || n == 0) return eigenvalues(blocks[0]);
@@ -25,7 +25,7 @@ std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = 0; b < n; ++b) circle((i + 1) % count * n + a, i * n + b) = blocks[i](a, b);
   const std::vector<Complex> roots = eigenvalues(circle);
-  // The sector begins in the middle of the largest gap between their angles, taken modulo its width.
+  // The sector begins in the middle of the largest gap of the angles modulo 2π/m.
   const double width = 2 * std::numbers::pi / double(count);
   std::vector<double> angles;
   angles.reserve(roots.size());
@@ -49,16 +49,16 @@ std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
   return found;
 }
 
-/// An eigenvalue, and whether the errors of the blocks alone make it.
+/// Eigenvalue; `lost` means that its value is within the errors of the blocks.
 struct Eigenvalue {
   Complex value;
   bool lost = false;
 };
 
-/// Of a product of blocks whose entries are known but for `errors`: an eigenvalue is lost that becomes quite another
-/// one where entries change by so much, to either side.
+/// eigenvalues_above_errors marks as lost every eigenvalue that changes strongly when the entries of the blocks change
+/// by `errors`, with either sign.
 std::vector<Eigenvalue> eigenvalues_above_errors(const std::vector<Matrix>& blocks, std::span<const double> errors) {
-  constexpr double surely = 1e-4, another = 0.25;  // no eigenvalue so large is lost: segments are short enough for that
+  constexpr double surely = 1e-4, another = 0.25;  // larger ones than `surely` cannot be lost, as segments are short
   std::vector<Eigenvalue> all;
   for (const Complex& value : eigenvalues_of_product(blocks)) all.push_back({value, false});
   if (std::ranges::all_of(all, [](const Eigenvalue& one) { return std::abs(one.value) > surely; })) return all;
@@ -78,7 +78,8 @@ std::vector<Eigenvalue> eigenvalues_above_errors(const std::vector<Matrix>& bloc
   return all;
 }
 
-/// Of segments, in units of the extents; of contact scenes along the hyperplanes δs = p·δq.
+/// block_of returns the Jacobian of a segment in units of the extents; in contact scenes, restricted to the hyperplanes
+/// δs = p·δq.
 Matrix block_of(const Motion& motion, const Setting& setting, const std::vector<double>& from, const Matrix& slopes) {
   const std::size_t n = motion.coordinates(), all = motion.size();
   const std::size_t size = motion.equations().acting ? 2 * n : all;
@@ -91,7 +92,7 @@ Matrix block_of(const Motion& motion, const Setting& setting, const std::vector<
   return made;
 }
 
-/// Gradients along the hyperplanes.
+/// gradients_in returns gradients restricted to the contact hyperplanes.
 Matrix gradients_in(const Motion& motion, const Setting& setting, const std::vector<double>& at, Matrix all) {
   const std::size_t n = motion.coordinates();
   if (!motion.equations().acting) return all;
@@ -102,7 +103,7 @@ Matrix gradients_in(const Motion& motion, const Setting& setting, const std::vec
   return made;
 }
 
-/// ẋ lies in them where H is 0.
+/// symmetries_in returns symmetries in the coordinates (q, p) of the contact hyperplanes; ẋ lies in these where H = 0.
 Matrix symmetries_in(const Motion& motion, const std::vector<double>& at, double t, Matrix all) {
   const std::size_t n = motion.coordinates();
   if (!motion.equations().acting) return all;
@@ -118,7 +119,8 @@ Matrix symmetries_in(const Motion& motion, const std::vector<double>& at, double
   return made;
 }
 
-/// Of the entries of a block: by how much it misses what it is known to do with symmetries, or rounding.
+/// error_of estimates the error of a block's entries: by how much the block misses the known images of symmetries, at
+/// least rounding.
 double error_of(const Matrix& block, const Matrix& here, const Matrix& there) {
   constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
   double error = rounding * length(block.a);
@@ -139,7 +141,7 @@ MultiplierKind kind_of(const Complex& value) {
   return value.real() > 0 ? MultiplierKind::hyperbolic : MultiplierKind::inverse_hyperbolic;
 }
 
-/// The largest |λμ/product − 1| of pairs, each of the nearest two of those that are left, the largest first.
+/// pairing_defect returns the largest |λμ/product − 1|, pairing the largest remaining multiplier with its best partner.
 double pairing_defect(std::vector<Complex> all, double product) {
   std::ranges::sort(all, std::greater(), [](const Complex& value) { return std::abs(value); });
   double most = 0;
@@ -154,8 +156,8 @@ double pairing_defect(std::vector<Complex> all, double product) {
   return most;
 }
 
-/// Of a function of states and times along an orbit, by Gauss's rule of five points over more and more parts of it. NaN
-/// where it cannot be followed or nothing comes of that.
+/// integral_along integrates a function of state and time along an orbit, by five-point Gauss quadrature on ever more
+/// parts. NaN where the orbit cannot be followed or the integral does not converge.
 template <class Function>
 double integral_along(Motion& motion, const Setting& setting, const Trial& trial, Effort& effort, Function&& function) {
   constexpr std::array<double, 5> places{-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
@@ -192,7 +194,7 @@ double integral_along(Motion& motion, const Setting& setting, const Trial& trial
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// e^{−∫∂H/∂s dt}: 1 where the integral is rounding, as of a damping that is 0 in the mean.
+/// product_of_pairs returns e^{−∫∂H/∂s dt}, exactly 1 where the integral is only rounding, as for damping of mean 0.
 double product_of_pairs(Motion& motion, const Setting& setting, const Trial& trial, Effort& effort) {
   constexpr double rounding = 1e-13;
   if (motion.symplectic()) return 1;
@@ -205,8 +207,8 @@ double product_of_pairs(Motion& motion, const Setting& setting, const Trial& tri
   return std::abs(integral) <= rounding * most * trial.period ? 1 : std::exp(-integral);
 }
 
-/// The last multiplier that rounding hides is what the product of all leaves for it: e^{∫div ẋ dt}, by Liouville, of
-/// mechanics that of the pairs.
+/// settle determines a single lost multiplier from the product of all, e^{∫div ẋ dt} by Liouville's theorem; in
+/// mechanics from the product of pairs.
 void settle(std::vector<Eigenvalue>& others, double pair_product, Motion& motion, const Setting& setting,
             const Trial& trial, Effort& effort) {
   if (std::ranges::count(others, true, &Eigenvalue::lost) != 1) return;
@@ -230,7 +232,8 @@ std::optional<bool> verdict(const Stability& found) {
     const double modulus = std::abs(value);
     if (modulus > 1 + at_one) return false;
     const bool on_circle = modulus >= 1 - at_one;
-    // Of mechanics that keeps areas, pairs on the circle stay there; what dissipates has to be within.
+    // Where pairs have the product 1, those on the circle stay there; in dissipative motion, multipliers must be
+    // strictly inside.
     if (on_circle && (found.pair_product != 1 || kind != MultiplierKind::elliptic)) tells = false;
   }
   return tells ? std::optional(true) : std::nullopt;
@@ -252,8 +255,8 @@ Stability stability_of(const Shooting& shooting, Motion& motion, const Setting& 
     kept.push_back(gradients_in(motion, setting, at, conserved.gradients(at, t)));
     ways.push_back(symmetries_in(motion, at, t, conserved.symmetries(at, t)));
   }
-  // Gradients of what is kept are the left, symmetries the right eigenvectors to 1; of symmetries only those count for
-  // the space in which all that is kept stays the same that lie in it.
+  // Gradients of conserved quantities are left eigenvectors to the multiplier 1, symmetries right ones. Only symmetries
+  // tangent to the common level set of the conserved quantities count for multipliers within it.
   const Matrix span = span_of(kept[0], dependent);
   Matrix in_level = ways[0].columns > 0 ? ways[0] : Matrix(kept[0].rows, 0);
   Matrix mixing = in_level.columns > 0 ? Matrix::identity(in_level.columns) : Matrix();

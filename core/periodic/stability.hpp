@@ -6,9 +6,9 @@
 
 namespace least::periodic {
 
-/// What a closed orbit's motion says of its multipliers; the others are found in what is left when the unit ones that
-/// are explained, of which most stand in Jordan blocks, are taken out: so they keep their digits. Of contact scenes
-/// they are those of (q, p), which stand for directions of the contact hyperplanes.
+/// stability_of computes the multipliers. The known unit ones, most of which belong to Jordan blocks, are split off
+/// first, so that the others keep full precision. In contact scenes the multipliers are those of (q, p), which
+/// parametrise the contact hyperplanes.
 Stability stability_of(const Shooting& shooting, Motion& motion, const Setting& setting, const Trial& trial,
                        const Look& look, Effort& effort);
 

@@ -15,7 +15,7 @@ void append(std::vector<T>& to, const std::vector<T>& from, std::size_t count) {
 
 Moments Moments::of(const std::vector<double>& values) {
   Moments all;
-  double origin = 0, sum = 0;  // from the first value on, so that what is close together has an exact mean
+  double origin = 0, sum = 0;  // relative to the first value, so that close values have an accurate mean
   for (const double x : values) {
     if (!std::isfinite(x)) continue;
     if (all.count++ == 0) origin = x;

@@ -1,5 +1,5 @@
-// What blocks of members leave behind, and how it adds up: blocks of 4,096 at absolute indices, each summed in the
-// order of its members, the blocks in theirs. So the sums do not depend on who computed which block, nor when.
+// The results of blocks of members and their reduction: blocks of 4,096 at absolute indices, each summed in the order
+// of its members, then block after block. Hence the sums do not depend on who computed which block, nor when.
 #pragma once
 
 #include <array>
@@ -17,27 +17,27 @@ namespace least {
 
 inline constexpr std::int64_t block_size = 4096;
 
-/// Of the values of a column: how many there are, their mean, the sum of squares about it, and the extremes.
+/// Moments of the values of a column: their number, mean, sum of squares about the mean, and extremes.
 struct Moments {
   std::int64_t count = 0;
   double mean = 0, squares = 0;
   double minimum = std::numeric_limits<double>::infinity(), maximum = -minimum;
 
-  /// Of all that are numbers.
+  /// of(values) returns the moments of all finite values.
   static Moments of(const std::vector<double>& values);
-  /// Adds those of further values. Source: Chan, Golub, LeVeque, Am. Stat. 37, 242 (1983).
+  /// add(more) merges the moments of further values. Source: Chan, Golub, LeVeque, Am. Stat. 37, 242 (1983).
   void add(const Moments& more);
-  /// Unbiased; NaN for fewer than two.
+  /// variance() is unbiased; NaN for fewer than two values.
   double variance() const;
 };
 
-/// A histogram that is asked for, of a column of the ensemble, in bins [low + i·w, low + (i + 1)·w).
+/// HistogramAsked is the request for a histogram of a column of the ensemble, with bins [low + i·w, low + (i + 1)·w).
 struct HistogramAsked {
   std::size_t column = 0;
   double low = 0, high = 1;
   std::int64_t bins = 1;
 };
-/// Counts by bin, as many as there are, and of the values on either side of the range; what is no finite number is not
+/// Histogram holds the counts by bin and of values on either side of the range. Values that are not finite are not
 /// counted.
 struct Histogram {
   std::vector<std::int64_t> counts;
@@ -47,59 +47,64 @@ struct Histogram {
   void add(const Histogram& more);
 };
 
-/// The states at which members met a section: one entry of `values` per column and point, row by row.
+/// SectionPoints are the states at which members met a section: `values` has one entry per column for each point, row
+/// by row.
 struct SectionPoints {
   std::vector<std::int64_t> member, crossing;
   std::vector<double> t, values;
 
-  /// Room for so many points is held before it is taken: both throw MemoryShortage.
+  /// append and make_room charge the memory to `held` before they take it; both throw MemoryShortage.
   void append(const SectionPoints& more, std::size_t most, std::size_t columns, Held& held);
   void make_room(std::size_t points, std::size_t columns, Held& held);
-  /// Leaves out all but the first.
+  /// cut keeps only the first `most` points.
   void cut(std::size_t most, std::size_t columns);
-  /// The first `most` points in the order of members and crossings, of members [first, first + count), each of whose
-  /// points stand in their order. `going` is asked now and then: false leaves them as nobody can use them.
+  /// sort orders the points by member, then crossing, and keeps the first `most`. The points must be of members [first,
+  /// first + count), and those of each member already in order. `going` is asked now and then; once it returns false
+  /// the points are left unusable.
   template <class Going>
   void sort(std::int64_t first, std::size_t count, std::size_t most, Held& held, Going&& going);
 };
 
-/// Rows along the way of members, a number per column: those of each member together, in the order of time.
+/// Trajectories are rows along the motion of members, a number per column: the rows of each member together, in the
+/// order of time.
 struct Trajectories {
-  std::vector<std::int64_t> member, rows;  ///< how many rows it has: of one that stopped, those before
+  std::vector<std::int64_t> member, rows;  ///< rows: how many each member has; one that stopped early has those before
   std::vector<double> values;
 
-  /// Room is held before it is taken: throws MemoryShortage.
+  /// Charges the memory to `held` before it is taken; throws MemoryShortage.
   void append(const Trajectories& more, Held& held);
 
-  /// Begins the rows of so many members from `first` on, so many numbers of each at most, which come in any order.
+  /// open(first, members, numbers) makes room for the rows of members from `first` on, at most `numbers` doubles for
+  /// each, which may be added in any order.
   void open(std::int64_t first, std::size_t members, std::size_t numbers, Held& held);
-  /// The next row of one of them, by its place.
+  /// add(place, row) appends a row of the member at that place.
   void add(std::size_t place, const std::vector<double>& row);
-  /// Closes up behind members that have fewer rows than there is room for.
+  /// close(columns) removes the gaps behind members with fewer rows than there is room for.
   void close(std::size_t columns);
 };
 
-/// How members ended, by the name of the reason; `completed` among them.
+/// Endings counts members by the reason why they ended; `completed` is among the reasons.
 using Endings = std::array<std::int64_t, static_cast<std::size_t>(ReturnCode::cancelled) + 1>;
 
-/// What the members of one block, or of all of them, leave behind. What is not asked for is empty.
+/// Harvest is the result of the members of one block, or of all of them. Parts that are not asked for are empty.
 struct Harvest {
   Endings ended{};
   std::vector<Moments> columns;
   std::vector<Histogram> histograms;
-  std::vector<std::int64_t> final_member;  ///< of those that completed
-  std::vector<double> final;               ///< row by row, a number per column
+  std::vector<std::int64_t> final_member;  ///< the members that completed
+  std::vector<double> final;               ///< their final columns, row by row
   SectionPoints section;
   Trajectories trajectories;  ///< of all members
-  bool truncated = false;     ///< there were more points than may be kept
-  /// Members of which points may be missing, since the search for them ended unresolved: how many, and the first.
+  bool truncated = false;     ///< the limit of section points was exceeded
+  /// Members that may lack points, as the search for them remained unresolved: their number, and the first of them.
   std::int64_t unresolved = 0, first_unresolved = 0;
-  Cost cost;  ///< steps of all members
+  Cost cost;  ///< summed over all members
 
   void add_unresolved(std::int64_t member) {
     if (unresolved++ == 0) first_unresolved = member;
   }
-  /// Adds a later block's; no more than `most` points of sections are kept. Throws MemoryShortage.
+  /// add(more, most, held) adds the results of a later block and keeps at most `most` points of sections. Throws
+  /// MemoryShortage.
   void add(const Harvest& more, std::size_t most, Held& held);
   void add(const Harvest& more, std::size_t most) {
     Held unbounded;
@@ -107,11 +112,12 @@ struct Harvest {
   }
 };
 
+/// Block is a range of members with the same block number, and its results.
 struct Block {
-  std::int64_t index = 0;  ///< members [4096·index, 4096·(index + 1)), as far as they are within the range asked for
+  std::int64_t index = 0;  ///< of members [4096·index, 4096·(index + 1)), as far as they are in the range asked for
   std::int64_t first = 0, count = 0;
   Harvest harvest;
-  Held held{};  ///< for that
+  Held held{};  ///< the memory of `harvest`
 };
 
 template <class Going>
@@ -120,7 +126,7 @@ void SectionPoints::sort(std::int64_t first, std::size_t count, std::size_t most
   constexpr std::size_t piece = std::size_t{1} << 16;
   bool goes_on = points > 0;
   const auto may = [&](std::size_t done) { return goes_on = goes_on && (done % piece != 0 || going()); };
-  std::vector<std::size_t> next(count + 1, 0);  // where the points of a member begin
+  std::vector<std::size_t> next(count + 1, 0);  // index of the first point of each member
   for (const std::int64_t m : member) ++next[static_cast<std::size_t>(m - first) + 1];
   for (std::size_t m = 0; m < count; ++m) next[m + 1] += next[m];
   std::vector<std::size_t> order;

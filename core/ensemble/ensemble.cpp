@@ -19,7 +19,7 @@
 namespace least {
 namespace {
 
-/// Statistics of a block whose final states are there, row by row.
+/// sum_up computes the statistics of a block from its final states.
 void sum_up(const EnsemblePlan& plan, Harvest& harvest) {
   const std::size_t columns = plan.request.columns.size();
   std::vector<double> values(harvest.final_member.size());
@@ -30,7 +30,7 @@ void sum_up(const EnsemblePlan& plan, Harvest& harvest) {
   for (std::size_t k = 0; plan.statistics && k < columns; ++k) harvest.columns.push_back(Moments::of(column(k)));
   for (const HistogramAsked& asked : plan.histograms) {
     Histogram& histogram = harvest.histograms.emplace_back();
-    histogram.counts.resize(static_cast<std::size_t>(asked.bins));  // also of a block in which nobody completed
+    histogram.counts.resize(static_cast<std::size_t>(asked.bins));  // also where no member of the block completed
     for (const double x : column(asked.column)) histogram.count(asked, x);
   }
   if (plan.final) return;
@@ -47,7 +47,7 @@ std::int64_t first_block(const EnsemblePlan& plan, const Shard& shard) {
 
 namespace {
 
-/// Blocks go to threads as these ask for them, and to the receiver in their order.
+/// Blocks distributes blocks to threads, and passes them to the receiver in order.
 class Blocks {
  public:
   Blocks(const EnsemblePlan& plan, const Shard& shard, unsigned threads, const std::atomic<bool>& cancelled,
@@ -65,7 +65,7 @@ class Blocks {
     for (unsigned i = 0; i < threads; ++i) {
       try {
         threads_.emplace_back([this, i] { work(i); });
-      } catch (const std::system_error&) {  // as many as the system allows
+      } catch (const std::system_error&) {  // then fewer threads have to do
         if (threads_.empty()) throw;
         break;
       }
@@ -78,7 +78,7 @@ class Blocks {
   Blocks(const Blocks&) = delete;
   Blocks& operator=(const Blocks&) = delete;
 
-  /// The next one; nothing at the end, of which `reason` speaks.
+  /// take() returns the next block; nothing at the end, and then `reason` says why it ended.
   std::optional<Block> take() {
     std::unique_lock lock(mutex_);
     for (unsigned working = 0;;) {
@@ -117,7 +117,7 @@ class Blocks {
         std::optional<Block> block;
         try {
           block = compute(*index);
-        } catch (const MemoryShortage&) {  // fewer at once may have room
+        } catch (const MemoryShortage&) {  // with fewer blocks at once there may be room
         }
         const std::lock_guard lock(mutex_);
         --computing_;
@@ -132,7 +132,8 @@ class Blocks {
       changed_.notify_all();
     }
   }
-  /// No thread runs far ahead of what was received: memory does not grow with the number of members.
+  /// claim returns the next block to compute. No thread runs far ahead of what was received, so that memory does not
+  /// grow with the number of members.
   std::optional<std::int64_t> claim(unsigned thread) {
     std::unique_lock lock(mutex_);
     const auto next = [&] { return again_.empty() ? next_ : std::min(next_, *again_.begin()); };
@@ -145,8 +146,8 @@ class Blocks {
     if (again_.erase(index) == 0) next_ += shard_.of;
     return index;
   }
-  /// A block that found no room is computed once more, and from now on one at a time, so that nothing is held beside
-  /// it and what was received. Where that was so already, there is none for it.
+  /// put_off repeats a block that found no memory later, and from now on one block at a time, so that only it and the
+  /// received blocks hold memory. If that was already so, the memory does not suffice.
   void put_off(std::int64_t index) {
     if (index == awaited_ && computing_ == 0 && done_.empty()) return end_locked(ReturnCode::memory);
     ahead_ = 1;
@@ -170,7 +171,7 @@ class Blocks {
   const EnsemblePlan& plan_;
   const MemberColumns columns_;
   const Shard shard_;
-  std::int64_t ahead_;  ///< blocks
+  std::int64_t ahead_;  ///< how many blocks threads may be ahead of the receiver
   std::atomic<bool> stop_{false};
   Budget budget_;
   const std::atomic<bool>& cancelled_;
@@ -181,7 +182,7 @@ class Blocks {
   std::int64_t next_ = 0, awaited_ = 0;
   int computing_ = 0;  ///< blocks
   std::map<std::int64_t, Block> done_;
-  std::set<std::int64_t> again_;  ///< blocks for which there was no room
+  std::set<std::int64_t> again_;  ///< blocks to repeat, as there was no memory for them
   ReturnCode reason_ = ReturnCode::completed;
   std::exception_ptr failure_;
   std::vector<std::thread> threads_;
@@ -218,7 +219,7 @@ void each_section_time(const EnsemblePlan& plan, See&& see) {
     see(times.time());
 }
 
-/// The same of the rows of trajectories.
+/// each_row_time calls see(t) for the rows of trajectories.
 template <class See>
 void each_row_time(const EnsemblePlan& plan, See&& see) {
   if (!plan.trajectories) return;

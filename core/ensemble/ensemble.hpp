@@ -1,4 +1,4 @@
-// Many runs of one scene: what is asked, and its way through blocks of members on several threads.
+// Many runs of one scene: the request, and its computation in blocks of members on several threads.
 #pragma once
 
 #include <atomic>
@@ -10,10 +10,10 @@
 
 namespace least {
 
-/// Every number of the members stays within the range of its card.
+/// EnsemblePlan is a checked request for an ensemble: every number of every member is within the range of its card.
 struct EnsemblePlan {
-  /// The scene that the members vary, the columns, the limits: `steps` of each, `seconds` of all. Where it has a
-  /// section, its points are kept; of `record` the trajectories.
+  /// `request` has the scene that the members vary, the columns, and the limits: `steps` per member, `seconds` in all.
+  /// If it has a section, the section's points are kept; `record` says which rows trajectories have.
   Request request;
   Members members;
   std::int64_t first = 0, last = 0;  ///< members [first, last)
@@ -24,39 +24,40 @@ struct EnsemblePlan {
   std::int64_t end_block() const { return (last + block_size - 1) / block_size; }
 };
 
-/// Whether a scheme can run ensembles, or what it has against it, in words.
+/// ensemble_objection returns why a scheme cannot run ensembles; empty where it can.
 std::string ensemble_objection(const SchemeCard& scheme);
-/// Whether a column follows from a state alone.
+/// is_of_state tells whether a column is a function of a single state.
 bool is_of_state(const ColumnCard& column);
 
-/// A time at which every member is looked at: for a row of its trajectory, or for a point of a section by time.
+/// Look is a time at which every member is observed: for a row of its trajectory, or for a point of a stroboscopic
+/// section.
 struct Look {
   double t;
   bool row;
 };
-/// All of them up to the end, in their order. A row at the end is one of the state there, to the bit.
+/// looks_of returns all looks up to the end, in order. A row at the end is bitwise the state there.
 std::vector<Look> looks_of(const EnsemblePlan& plan);
-/// How many are for a section, and for a row.
+/// section_count and row_count return how many looks are for a section and for rows.
 std::size_t section_count(const EnsemblePlan& plan);
 std::size_t row_count(const EnsemblePlan& plan);
 
-/// Which blocks are computed: those whose number leaves `index` when divided by `of`.
+/// Shard selects the blocks whose number is `index` modulo `of`.
 struct Shard {
   std::int64_t index = 0, of = 1;
 };
 
 std::int64_t first_block(const EnsemblePlan& plan, const Shard& shard);
 
-/// Receives the blocks in their order, and may take what is in them; false ends the ensemble.
+/// TakeBlock receives the blocks in order and may move out their contents; false ends the ensemble.
 using TakeBlock = std::function<bool(Block&)>;
 
-/// How many of the threads may compute for now, at least one. Any of them asks.
+/// Share returns how many threads may compute at present, at least one. It may be called by any of them.
 using Share = std::function<unsigned()>;
 
-/// Runs the members of the shard on so many threads, or as many of them as the share says. `completed`, or why it ended
-/// early (deadline, cancelled, memory): then the blocks that were received are whole, and the first ones. What they
-/// hold is counted in `memory` before it is taken, where there is any; where that is short, fewer blocks are computed
-/// at once.
+/// run_ensemble runs the members of a shard on `threads` threads, or on as many of them as `share` allows. Returns
+/// `completed`, or why it ended early (deadline, cancelled, memory); the blocks received until then are complete, and
+/// the first ones. Their memory is charged to `memory`, if given, before it is taken; where it is short, fewer blocks
+/// are computed at once.
 ReturnCode run_ensemble(const EnsemblePlan& plan, const Shard& shard, unsigned threads,
                         const std::atomic<bool>& cancelled, const TakeBlock& take, const Share& share = {},
                         MemoryBudget* memory = nullptr);

@@ -1,5 +1,6 @@
-// The clock of members that share step, times and parameters: they share what a step needs of its times, too. The pack
-// of lanes that comes first makes it, the others take it. Only units of lanes include this header.
+// The shared clock of members that have step, times and parameters in common: time-dependent quantities of a step are
+// computed by the first pack of lanes that needs them, and reused by the others. Only the lane units include this
+// header.
 #pragma once
 
 #include <array>
@@ -15,9 +16,9 @@
 
 namespace least {
 
-/// While it lives, the clocks that are made by its thread are those of members that begin together and go in step, none
-/// of them by more steps ahead of another than a stretch. A stepper has one clock at most: what is shared is of one
-/// kind.
+/// GroupOfClocks: while it lives, all clocks made by its thread belong to members that begin together and advance
+/// together, none more than `stretch` steps ahead of another. A stepper has at most one clock, so that one kind of
+/// Shared suffices.
 class GroupOfClocks {
  public:
   static constexpr std::int64_t stretch = 250;
@@ -30,7 +31,7 @@ class GroupOfClocks {
   struct Shared {
     virtual ~Shared() = default;
   };
-  /// What they share, made by the first.
+  /// join(make) returns the shared part, which the first caller makes.
   template <class Make>
   static auto* join(Make&& make) {
     using Made = typename decltype(make())::element_type;
@@ -45,13 +46,13 @@ class GroupOfClocks {
   std::unique_ptr<Shared> shared_;
 };
 
-/// A problem's own clock under another name.
+/// UnsharedClock wraps a problem to select the ordinary PhaseClock, which does not share.
 template <class P>
 struct UnsharedClock : P {
   explicit UnsharedClock(const P& problem) : P(problem) {}
 };
-/// Whether it costs more to make an entry than to look it up. A step of a scene that reads s may end early for some
-/// members, and what others need of it would not be there.
+/// CostlyTimes: making an entry costs more than looking it up. Scenes with γs²/2 are excluded: their steps may end
+/// early for some members, and entries that others need would be missing.
 template <class P>
 concept CostlyTimes = !QuadraticContact<P> && (HasPhases<P> || (LinearContact<P> && !ConstantDamping<P>));
 
@@ -76,7 +77,7 @@ class PhaseClock<Entry, P<double>, double> {
 
  private:
   using Own = PhaseClock<Entry, UnsharedClock<P<double>>, double>;
-  /// Of the latest steps; behind them of one that is none of theirs, as it is shorter.
+  /// The table has rows for the latest steps, and one more for a step off the grid, as it is shorter.
   static constexpr std::uint64_t rows = 256;
   static_assert(rows >= GroupOfClocks::stretch + 1);
 
@@ -111,18 +112,18 @@ class PhaseClock<Entry, P<double>, double> {
     }
     template <class Make>
     [[gnu::noinline]] Entry add(std::size_t i, double time, Make&& make) {
-      assert(row == &table[rows] || row == &table[(end - 1) % rows]);  // where its own clock is
+      assert(row == &table[rows] || row == &table[(end - 1) % rows]);  // the own clock is at that step
       const Entry entry = row == &table[rows] ? make(time) : own.at(i, time, make);
       if (i == row->count) row->entries[row->count++] = entry;
       return entry;
     }
 
-    double t = std::numeric_limits<double>::quiet_NaN(), h = t;  ///< of the step that is being made
-    Row* row = nullptr;                                          ///< what is known of its times
+    double t = std::numeric_limits<double>::quiet_NaN(), h = t;  ///< of the current step
+    Row* row = nullptr;                                          ///< entries of the current step
 
     Own own;
     double start, step;
-    std::uint64_t end = 0;  ///< steps that had a row
+    std::uint64_t end = 0;  ///< steps that have had a row
     std::array<Row, rows + 1> table;
     std::vector<Entry> all;
   };

@@ -40,8 +40,8 @@ class LaneCompiler {
   using Kind = Trace::Kind;
   using Register = std::uint32_t;
   static constexpr Register nowhere = LaneRegisters::nowhere;
-  /// On what a number depends, as bits: on the time, and on constants that members have of their own. On neither it
-  /// depends on the step alone; what depends on the state has both.
+  /// Rank tells by bits what a number depends on: the time, and the members' own constants. With no bit set it depends
+  /// on the step length alone; what depends on the state has both.
   using Rank = std::uint8_t;
   static constexpr Rank of_step = 0, of_time = 1, of_members = 2, of_state = of_time | of_members;
 
@@ -49,17 +49,17 @@ class LaneCompiler {
   const Node& node(Place i) const { return nodes_[at(i)]; }
   bool in_step(Place i) const { return i >= source_.begin; }
   bool in_lanes(Place i) const { return (rank_[at(i)] & of_members) != 0; }
-  /// An operation whose result stays the same from step to step while these are of one length.
+  /// is_constant: an operation whose result is the same in all steps of one length.
   bool is_constant(Place i) const {
     return node(i).kind == Kind::operation && in_step(i) && (rank_[at(i)] & of_time) == 0;
   }
-  /// What the step finds of the one before it.
+  /// is_kept: a value that the step reads from the step before it.
   bool is_kept(Place i) const { return node(i).kind == Kind::operation && !in_step(i); }
   static std::array<Place, 3> operands(const Node& n) {
     return n.kind == Kind::operation ? std::array{n.a, n.b, n.c} : std::array<Place, 3>{-1, -1, -1};
   }
 
-  /// What stands in the step twice is the first of them; so are constants that all members share.
+  /// find_same maps equal operations of the step, and equal shared constants, to the first of them.
   void find_same() {
     std::map<std::array<Place, 4>, Place> operations;
     std::map<std::uint64_t, Place> constants;
@@ -103,7 +103,8 @@ class LaneCompiler {
     }
   }
 
-  /// What is kept is of lanes where it is so at the start or after a step, which may take a few rounds to be known.
+  /// rank() computes all ranks. A kept value is in lanes if it is so at the start or after a step, which may take
+  /// several passes to settle.
   void rank() {
     for (bool changed = true; changed;) {
       changed = false;
@@ -152,7 +153,8 @@ class LaneCompiler {
     registers_ = LaneRegisters(fixed);
   }
 
-  /// What stays the same from step to step. Before all others: nothing that they write stands where it does.
+  /// write_constant writes the operations that are the same in all steps, before all others: no other operation may
+  /// reuse their registers.
   void write_constant() {
     clear(source_.begin, source_.end);
     std::vector<Place> all;
@@ -186,7 +188,7 @@ class LaneCompiler {
     next_ = source_.end;
     count_uses(begin, end);
   }
-  /// Where values stand in lanes, as far as that is settled.
+  /// settled() returns the registers in lanes that are already assigned, by value.
   std::vector<Register> settled() const {
     std::vector<Register> given(at(next_), nowhere);
     for (Place i = 0; i < source_.end; ++i)
@@ -243,7 +245,7 @@ class LaneCompiler {
            uses_[at(i)] == 1 && (in_lanes(same(n.a)) || in_lanes(same(n.b)));
   }
 
-  /// In lanes, whatever it is.
+  /// lanes(i) returns the value i in lanes, spreading a shared one.
   Place lanes(Place i) {
     i = same(i);
     if (in_lanes(i)) return i;
@@ -290,7 +292,7 @@ class LaneCompiler {
         write_function(n, i);
     }
   }
-  /// All of whose operands have to be in lanes.
+  /// write_function: all operands must be in lanes.
   void write_function(const Node& n, Place i) {
     LaneOperation one{n.code, i, lanes(n.a)};
     if (n.b >= 0) one.b = lanes(n.b);
@@ -305,7 +307,7 @@ class LaneCompiler {
     code.push_back({n.code, place_[at(i)], of(n.a), of(n.b), of(n.c)});
   }
 
-  /// At its end a step leaves the state and what is kept where the next one looks for them.
+  /// At its end a step leaves the state and the kept values in the registers where the next step expects them.
   using RegisterEnds = std::vector<LaneRegisters::End>;
   void collect_ends(CompiledLanes::Part& part, RegisterEnds& ends) {
     for (std::size_t k = 0; source_.steps && k < source_.outputs.size(); ++k)
@@ -314,7 +316,7 @@ class LaneCompiler {
       if (!needed_[at(from)] || same(to) == from) continue;
       if (in_lanes(from)) {
         add_end(to, place_[at(from)], ends);
-      } else if (is_kept(same(to))) {  // which is another one by then
+      } else if (is_kept(same(to))) {  // which by then holds another value
         part.of_time.push_back({LaneCode::copy, shared_register(), place_[at(same(to))]});
         after_.emplace_back(from, part.of_time.back().out);
       } else {
@@ -325,15 +327,14 @@ class LaneCompiler {
   void add_end(Place value, Register where, RegisterEnds& ends) {
     value = same(value);
     if (in_lanes(value) && place_[at(value)] == where) return;
-    if (in_lanes(value) &&
-        place_[at(value)] != nowhere) {  // it stands where something else will: a copy is taken at once
+    if (in_lanes(value) && place_[at(value)] != nowhere) {  // its register will be overwritten: it is copied at once
       wide_.push_back({LaneCode::copy, next_, value});
       value = next_++;
     }
     ends.emplace_back(value, where);
   }
 
-  /// In lanes, when all else is done.
+  /// at_end returns the value i in lanes, after all other operations.
   Place at_end(Place i) {
     i = same(i);
     if (in_lanes(i)) return i;
@@ -365,12 +366,12 @@ class LaneCompiler {
   std::vector<Place> same_;
   std::vector<bool> needed_, fused_;
   std::vector<Rank> rank_;
-  std::vector<Register> place_;  ///< of shared numbers, and of what stands in lanes where it always does
+  std::vector<Register> place_;  ///< by shared number, and by value that is always in the same register in lanes
   std::vector<int> uses_;
   std::vector<LaneOperation> wide_;
   std::map<Place, Place> spread_;
-  std::vector<std::pair<Place, Register>> after_;  ///< what is kept of shared numbers, and where it was copied to
-  Place next_ = 0;                                 ///< the next of the values made beside those of the trace
+  std::vector<std::pair<Place, Register>> after_;  ///< kept shared numbers, and where they were copied to
+  Place next_ = 0;                                 ///< the number of the next value that the trace does not have
   LaneRegisters registers_{0};
 };
 

@@ -1,5 +1,5 @@
-// From what was written down (core/ensemble/traced.hpp) to what lanes run: what all members share is told from what
-// they do not, what nobody reads is left out, what stands there twice is made once, and registers are given.
+// Compiles traces (core/ensemble/traced.hpp) to programs for lanes: separates numbers that all members share from those
+// they do not, drops operations without use, merges equal ones, and allocates registers.
 #pragma once
 
 #include <utility>
@@ -9,26 +9,27 @@
 
 namespace least {
 
-/// Which part of a trace is a program. Variables of the trace are the state, in the order of `rows`.
+/// LaneSource is the part of a trace to compile. Variables of the trace are the components of the state, in the order
+/// of `rows`.
 struct LaneSource {
   using Place = Trace::Place;
   const Trace* trace = nullptr;
-  std::vector<bool> own;                      ///< of each constant of the trace whether members have their own
-  std::vector<std::uint32_t> rows;            ///< where the variables stand on the card
-  Place begin = 0, end = 0;                   ///< the step; what it reads of before is made at the start
-  std::vector<std::pair<Place, Place>> kept;  ///< what it finds of the step before, and the same as it leaves it
-  std::vector<Place> outputs;                 ///< the new state; of a program that makes no step its values
+  std::vector<bool> own;            ///< by constant of the trace, whether each member has its own value
+  std::vector<std::uint32_t> rows;  ///< by variable, its place on the card
+  Place begin = 0, end = 0;         ///< range of the step; earlier operations that it reads are run once at the start
+  std::vector<std::pair<Place, Place>> kept;  ///< (value from the step before, its replacement by this step)
+  std::vector<Place> outputs;                 ///< the new state; of a program without a step, its values
   bool steps = true;
-  Place failed = -1;  ///< where it is not 0 the step failed
+  Place failed = -1;  ///< not 0 where the step failed
   std::int64_t forces_at_start = 0, forces_of_step = 0;
 };
 
-/// A program with what it is made of.
+/// CompiledLanes owns a compiled program.
 class CompiledLanes {
  public:
   explicit CompiledLanes(const LaneSource& source);
   LaneProgram program() const;
-  /// Those constants of the trace that each member has of its own, in the order of their registers.
+  /// own() returns the constants of the trace of which each member has its own, in the order of their registers.
   const std::vector<std::size_t>& own() const { return own_; }
 
  private:

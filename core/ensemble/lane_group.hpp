@@ -1,6 +1,6 @@
-// A group of members in lanes, packs of them in flight. What can go wrong is looked for every so many steps, and
-// steps in which something did are taken back and taken again one by one, as of a lone run. A member that ended leaves
-// its lane to one of another group. Only units of lanes include this header.
+// A group of members in lanes, in several packs. Faults are looked for once in a block of steps; if there is one, the
+// block is undone and repeated step by step, as in a lone run. A lane whose member has ended can take a member of
+// another group. Only the lane units include this header.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 
 namespace least {
 
-/// The group of a task that begins with its member `first`. Lanes beyond the last member do what that does.
+/// GroupRun runs the group of a task that begins with member `first`. Lanes beyond the last member repeat that member.
 class GroupRun {
  public:
-  /// States of so many components.
+  /// `size` is the number of components of a state.
   GroupRun(LaneTask& task, std::size_t size, std::size_t first)
       : task_(task), size_(size), before_(packs * size), last_(before_), t_(task.start_time) {
     const std::size_t lanes = std::min(group_size, task.count - first);
@@ -31,12 +31,13 @@ class GroupRun {
       }
   }
 
-  /// The states that it begins with.
+  /// start() returns the initial states, pack by pack.
   const Lanes* start() const { return before_.data(); }
-  /// Steps from there.
+  /// begin(steps) takes the stepper and checks the initial states.
   void begin(std::unique_ptr<GroupSteps> steps) {
     steps_ = std::move(steps);
-    if (task_.count < group_size) steps_->use((task_.count + lane_count - 1) / lane_count);  // nobody else comes
+    // no member of another group can come
+    if (task_.count < group_size) steps_->use((task_.count + lane_count - 1) / lane_count);
     for (std::size_t j = 0; j < packs; ++j)
       for (const auto& fault : steps_->at_start(task_, j)) end(j, fault.where, fault.why);
     forces_at_start_ = steps_->work().forces;
@@ -50,7 +51,7 @@ class GroupRun {
   bool anyone() const {
     return std::ranges::any_of(alive_, [](const LaneMask& m) { return any(m); });
   }
-  /// Takes its steps up to the one with this number, or as many as there are.
+  /// go(bound) takes steps up to number `bound`, or to the end of the task.
   void go(std::int64_t bound) {
     while (anyone()) {
       for (; next_ < task_.times.size() && task_.times[next_] < upcoming(); ++next_) {
@@ -61,7 +62,7 @@ class GroupRun {
       if (n_ >= task_.step_limit) return end_all(step_limit);
       if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
       std::int64_t until = std::min({task_.steps, task_.step_limit, bound, n_ + block_});
-      if (next_ < task_.times.size())  // to the last step at or before it
+      if (next_ < task_.times.size())  // up to the last step that ends at or before the next time asked for
         while (until > n_ + 1 && grid_time(until) > task_.times[next_]) --until;
       if (task_.watches && task_.watched < 0) {
         step_one_by_one(until);
@@ -88,7 +89,7 @@ class GroupRun {
       step_one_by_one(until);
     }
   }
-  /// After the last whole step.
+  /// finish() is called after the last whole step.
   void finish() {
     if (task_.tail > 0 && anyone()) {
       if (n_ >= task_.step_limit) return end_all(step_limit);
@@ -101,8 +102,8 @@ class GroupRun {
       for (std::size_t i = 0; i < size_; ++i) task_.final[i * task_.count + member(j, lane)] = pack(j)[i][lane];
     });
   }
-  /// Members of the other group, which made as many steps, go on in lanes of this one in which nobody does: as many as
-  /// there is room for.
+  /// take(other) moves members of another group, which has made as many steps, into free lanes of this one, as many as
+  /// fit.
   void take(GroupRun& other) {
     std::size_t to = 0;
     other.each_alive([&](std::size_t j, std::size_t lane) {
@@ -117,7 +118,7 @@ class GroupRun {
       other.alive_[j].set(lane, false);
     });
   }
-  /// What it cost, when all is done.
+  /// account() adds the group's costs to the task; called once at the end.
   void account() {
     task_.taken += taken_;
     task_.forces += forces_at_start_ * started_;
@@ -126,7 +127,7 @@ class GroupRun {
   }
 
  private:
-  /// Steps between two looks at whether the task is cancelled; of steps that are long programs there are fewer.
+  /// Steps between two checks for cancellation; long programs take fewer.
   static std::int64_t block_of(const LaneTask& task) {
     constexpr std::int64_t steps = 50, operations = 20'000;
     if (!task.program) return steps;
@@ -134,7 +135,7 @@ class GroupRun {
     return std::clamp<std::int64_t>(operations / std::max<std::int64_t>(one, 1), 1, steps);
   }
   using enum ReturnCode;
-  /// Of a member, from one time to another.
+  /// Passage is a step of a member, from one time to another, that may have crossed the plane.
   struct Passage {
     std::size_t member;
     double from, to;
@@ -147,7 +148,7 @@ class GroupRun {
   void go_back(const std::vector<Lanes>& x) {
     for (std::size_t j = 0; j < packs; ++j) std::copy_n(x.data() + j * size_, size_, pack(j));
   }
-  /// Those of the mask that were going on until now.
+  /// end(j, which, why) ends those members of the mask that were still running.
   void end(std::size_t j, const LaneMask& which, ReturnCode why) {
     const LaneMask now = which & alive_[j];
     if (!any(now)) return;
@@ -172,7 +173,7 @@ class GroupRun {
     return !any(wrong);
   }
 
-  /// One step, from which members that fail are brought back.
+  /// step_alone takes one step; members that fail in it keep the state before.
   void step_alone(double h, double t) {
     note(before_);
     StepObservations seen;
@@ -187,14 +188,15 @@ class GroupRun {
     t_ = t;
     tell();
   }
-  /// Notes who may have passed what is watched within the step to the time t, or have come back from it: as of a lone
-  /// run, of the first step nothing is known.
+  /// watch notes members that may have crossed the level within the step to the time t, or crossed it twice. As in a
+  /// lone run, nothing is known in the first step.
   void watch(const std::vector<Lanes>& before, double t) {
-    const Lanes level(task_.level), part((t - t_) / task_.step);  // of a step like the one before
+    const Lanes level(task_.level), part((t - t_) / task_.step);  // of a step as long as the one before
     for (std::size_t j = 0; j < packs; ++j) {
       const Lanes *was = before.data() + j * size_, *is = pack(j);
       LaneMask passed = alive_[j];
-      if (task_.watched >= 0) {  // on which side it was and is, and would be had it gone on as in the step before
+      // on which side of the level it was, is, and would be by linear extrapolation of the step before
+      if (task_.watched >= 0) {
         const Lanes first = was[task_.watched], ahead = first + (first - earlier_[j]) * part;
         const LaneMask below = first < level, then = is[task_.watched] < level, straight = ahead < level;
         if (t_ > task_.start_time) passed = passed & (below | then | straight) & !(below & then & straight);
@@ -227,7 +229,7 @@ class GroupRun {
   void step_one_by_one(std::int64_t until) {
     for (; n_ < until && anyone(); ++n_) step_alone(task_.step, grid_time(n_ + 1));
   }
-  /// Steps up to the one with this number, in all of which passages of a level are noted.
+  /// advance takes steps up to number `until`; passages are noted in each.
   void advance(std::int64_t until, StepObservations& seen) {
     const auto take_steps = [&](std::int64_t from, std::int64_t to) {
       steps_->advance(t_, task_.start_time, task_.step, from, to - from, task_.step, seen);
@@ -244,10 +246,11 @@ class GroupRun {
       t_ = grid_time(n + 1);
     }
   }
-  /// The time of the next state on the way; what is asked for before it is told from the one before.
+  /// upcoming() returns the time of the next state on the grid; times asked for before it are served from the present
+  /// state.
   double upcoming() const { return n_ < task_.steps ? grid_time(n_ + 1) : task_.end; }
 
-  /// The states at the time t, by a shorter step of which the run itself knows nothing.
+  /// say(t) reports the states at the time t by a shorter step that does not affect the run.
   void say(double t) {
     note(before_);
     const double part = t - t_;
@@ -269,16 +272,16 @@ class GroupRun {
   const std::int64_t block_ = block_of(task_);
   std::size_t size_;
   std::unique_ptr<GroupSteps> steps_;
-  std::array<std::size_t, group_size> members_{};  ///< of each lane
-  std::vector<Lanes> before_, last_;               ///< states with which a block or a step began
+  std::array<std::size_t, group_size> members_{};  ///< by lane
+  std::vector<Lanes> before_, last_;               ///< states at the beginning of a block, and of a step
   double t_;                                       ///< time of the states
   Group<LaneMask> alive_;
-  Group<Lanes> earlier_;  ///< what is watched, a step before the states
+  Group<Lanes> earlier_;  ///< the watched variable, one step before the states
   std::vector<Passage> passages_;
-  std::vector<double> passed_;         ///< of each passage the states before and after
+  std::vector<double> passed_;         ///< by passage, the states before and after
   std::int64_t n_ = 0;                 ///< steps so far
-  std::size_t next_ = 0;               ///< of the times asked for
-  std::int64_t taken_ = 0, made_ = 0;  ///< steps of members, of the group
+  std::size_t next_ = 0;               ///< index of the next time asked for
+  std::int64_t taken_ = 0, made_ = 0;  ///< steps summed over members, and of the group
   std::int64_t started_ = 0, forces_at_start_ = 0;
 };
 

@@ -18,9 +18,9 @@
 namespace least {
 namespace {
 
-constexpr std::size_t bytes_of_operation = 100;  ///< traced, then compiled
+constexpr std::size_t bytes_of_operation = 100;  ///< of a trace and of the program compiled from it
 
-/// A block on its way through lanes.
+/// LaneBlock runs one block in lanes.
 class LaneBlock final : public LaneHost {
  public:
   LaneBlock(const EnsemblePlan& plan, const MemberColumns& columns, Block& block, const std::atomic<bool>& cancelled)
@@ -147,7 +147,8 @@ class LaneBlock final : public LaneHost {
 
  private:
   bool gone() const { return task_.cancelled->load(std::memory_order_relaxed); }
-  /// Between the states at both ends of a step: of a level the lanes know whether it may be passed twice.
+  /// may_cross judges the states at both ends of a step. For a level, lanes have judged already whether it may be
+  /// crossed twice.
   bool may_cross(std::size_t m, double from, double to) {
     if (task_.watched >= 0) {
       const Watch::Signs was = watch_.signs(left_.data(), from), is = watch_.signs(right_.data(), to);
@@ -157,8 +158,8 @@ class LaneBlock final : public LaneHost {
     if (!(looks.t_last() == from)) watch_.look(looks, left_.data(), from);
     return watch_.look(looks, right_.data(), to) != 0;
   }
-  /// Members of a problem of the catalogue: by steps that are compiled for the unit, where they are and members share
-  /// all parameters; else by a program, in which those that vary are constants of each member's own.
+  /// run_problem runs members of a problem of the catalogue: by compiled steps if the unit has them and members share
+  /// all parameters; else by a program in which varied parameters are the members' own constants.
   bool run_problem(const LaneUnit& unit) {
     const RunLanes compiled = varied_.empty() && !full_ ? unit.problem(card_.id) : nullptr;
     return (compiled && run_compiled(compiled)) || run_as_program(unit);
@@ -197,8 +198,8 @@ class LaneBlock final : public LaneHost {
     return group;
   }
 
-  /// Members whose steps are written down alike are run together. Where parameters vary each is written down, so that
-  /// not too many are at once. False also where hardly two are alike: they are run one by one.
+  /// run_text runs members with equal traces together. Where parameters vary each member is traced, and only so many
+  /// traces are kept at once. False, too, where hardly two are alike: they are better run one by one.
   bool run_text(const LaneUnit& unit) {
     constexpr std::size_t most_kept = 2'000'000, many = 64, alike = 4;  // kept: numbers and operations
     const text::TextScene& text = *request_.scene->mechanics->text();
@@ -220,7 +221,7 @@ class LaneBlock final : public LaneHost {
         continue;
       }
       const auto parameters = parameters_of(m);
-      if (!varied_.empty() && text.objection(parameters)) {  // no run begins with a mass that is none
+      if (!varied_.empty() && text.objection(parameters)) {  // such as a mass that is not positive
         ended_[m] = static_cast<std::uint8_t>(ReturnCode::singular);
         continue;
       }
@@ -244,13 +245,13 @@ class LaneBlock final : public LaneHost {
   void run_group(const LaneUnit& unit, MemberGroup& group) {
     group.compile_values();
     const std::size_t count = group.members().size(), rows = card_.variables.size();
-    std::size_t moving = rows;  // an action that the motion does not need stands behind all others
+    std::size_t moving = rows;  // an s that the motion does not need is the last variable
     while (moving > 0 && card_.variables[moving - 1].optional) --moving;
     std::vector<double> start(rows * count), final(rows * count), state(rows);
     std::vector<std::uint8_t> ended(count, static_cast<std::uint8_t>(ReturnCode::cancelled));
     for (std::size_t i = 0; i < count && !gone(); ++i) {
       bool near = true;
-      for (const std::size_t k : group.rows()) {  // others are no part of the state, and may be no numbers
+      for (const std::size_t k : group.rows()) {  // other rows are not part of the state and may be NaN
         state[k] = start[k * count + i] = start_[k * ended_.size() + group.members()[i]];
         near = near && (k >= moving || std::abs(state[k]) < largest_component);
       }
@@ -278,12 +279,12 @@ class LaneBlock final : public LaneHost {
     task_ = whole;
   }
 
-  /// The place of a member of the task in the block.
+  /// in_block returns the place in the block of a member of the task.
   std::size_t in_block(std::size_t m) const { return group_->members()[m]; }
   void take_final() {
     std::vector<double> state(task_.variables), row;
     for (std::size_t m = 0; m < task_.count; ++m) {
-      if (gone()) return;  // expressions may be long
+      if (gone()) return;  // as evaluating expressions may take long
       if (static_cast<ReturnCode>(task_.ended[m]) != ReturnCode::completed) continue;
       for (std::size_t i = 0; i < state.size(); ++i) state[i] = task_.final[i * task_.count + m];
       row.clear();
@@ -328,7 +329,7 @@ class LaneBlock final : public LaneHost {
   }
   void add_point(std::size_t m, double t, const double* state) {
     SectionPoints& points = block_.harvest.section;
-    if (gone()) return;  // nothing of the block is kept, nor put in order
+    if (gone()) return;  // then the block is discarded
     if (points.t.size() >= most_points()) keep_first_points();
     points.make_room(points.t.size() + 1, columns_.size(), block_.held);
     points.member.push_back(block_.first + static_cast<std::int64_t>(in_block(m)));
@@ -336,9 +337,9 @@ class LaneBlock final : public LaneHost {
     points.t.push_back(t);
     append_columns(m, t, state, points.values);
   }
-  /// Before those that are too many are left out.
+  /// most_points() is the number of points kept before the surplus is removed.
   std::size_t most_points() const { return static_cast<std::size_t>(5 * request_.limits.samples / 4 + block_size); }
-  /// In the order of members and crossings, as many as may be kept.
+  /// keep_first_points orders the points by member and crossing, and keeps as many as the limit allows.
   void keep_first_points() {
     SectionPoints& all = block_.harvest.section;
     const auto most = static_cast<std::size_t>(request_.limits.samples);
@@ -349,24 +350,24 @@ class LaneBlock final : public LaneHost {
   const EnsemblePlan& plan_;
   const MemberColumns& columns_;
   Block& block_;
-  Request request_;  ///< that of the plan with the columns that are needed
+  Request request_;  ///< that of the plan, with the needed columns instead
   const ProblemCard& card_;
   Watch watch_;
-  bool fits_ = true;        ///< lanes can find the section
-  bool full_ = false;       ///< s is carried where the scene has one
-  std::size_t tables_ = 0;  ///< bytes of what is needed until the block is done, and of finals
+  bool fits_ = true;        ///< lanes can watch the plane
+  bool full_ = false;       ///< s is part of the state where the scene has one
+  std::size_t tables_ = 0;  ///< bytes of the block's tables, and of final states
   LaneTask task_;
-  std::vector<double> left_, right_, between_;     ///< states about a crossing, as an expression reads them
-  MemberGroup* group_ = nullptr;                   ///< of which the task's members are
-  std::vector<double> needed_, own_values_, row_;  ///< of a row: columns of the card, parameters that vary, the result
+  std::vector<double> left_, right_, between_;     ///< states around a crossing, as an expression reads them
+  MemberGroup* group_ = nullptr;                   ///< whose members the task has
+  std::vector<double> needed_, own_values_, row_;  ///< for one row: columns of the card, varied parameters, result
   std::vector<double> times_, start_, values_, finals_;
   std::vector<std::size_t> varied_;
   std::vector<std::uint8_t> ended_;
   std::vector<std::int64_t> crossings_;
-  std::vector<Look> looks_;                    ///< those that all members have in common
-  std::vector<std::size_t> looked_;            ///< how many of them a member has had
-  std::vector<Watch::Looks> steps_;            ///< of each member, where all of its steps are told
-  std::vector<Watch::Unresolved> unresolved_;  ///< of each member, where its steps are told
+  std::vector<Look> looks_;                    ///< common to all members
+  std::vector<std::size_t> looked_;            ///< by member, how many looks it has had
+  std::vector<Watch::Looks> steps_;            ///< by member, where all of its steps are reported
+  std::vector<Watch::Unresolved> unresolved_;  ///< by member, where its steps are reported
   std::map<double, double> limits_;
   std::map<std::pair<double, double>, bool> too_fast_;
 };

@@ -1,4 +1,4 @@
-// Members in lanes: the units for several instruction sets, and the way of a block of members through one.
+// Members in lanes: the units for several instruction sets, and running a block of members by one of them.
 #pragma once
 
 #include <span>
@@ -10,20 +10,21 @@
 
 namespace least {
 
-/// A unit of lanes, compiled for one instruction set.
+/// LaneUnit is the lane code compiled for one instruction set.
 struct LaneUnit {
   std::string_view name;
-  std::size_t width = 0;                     ///< doubles in a register
-  RunLanes (*problem)(std::string_view id);  ///< of a problem of the catalogue; null: there is none
+  std::size_t width = 0;  ///< doubles in a register
+  /// runs members of a problem of the catalogue; returns null where the unit has none
+  RunLanes (*problem)(std::string_view id);
   LanePrograms (*programs)();
 };
-/// Those that this machine can run, the widest first.
+/// lane_units() returns the units that this machine can run, the widest first.
 std::span<const LaneUnit> lane_units();
-/// What a program makes of a point, with the same bits on every machine.
+/// evaluate_in_lanes writes a program's values at a point, bitwise the same on every machine.
 void evaluate_in_lanes(const LaneProgram& program, const LanePoint& point, double* out);
 
-/// Runs the members of a block as run_lone_members does, in a unit of lanes. False: they cannot. `columns`: of the
-/// plan.
+/// run_lane_members runs the members of a block in a unit of lanes, with the results of run_lone_members. False: they
+/// cannot run in lanes. `columns` are those of the plan.
 bool run_lane_members(const EnsemblePlan& plan, const MemberColumns& columns, Block& block,
                       const std::atomic<bool>& cancelled, const LaneUnit& unit = lane_units().front());
 

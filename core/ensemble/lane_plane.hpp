@@ -1,4 +1,4 @@
-// The plane of a section as lanes see it.
+// The plane of a section as lanes can watch it.
 #pragma once
 
 #include <optional>
@@ -7,15 +7,16 @@
 
 namespace least {
 
-/// Lanes compare a variable with a number by themselves; of any other expression they show every state.
+/// Level is a plane variable = value, which lanes compare by themselves. For any other expression lanes report every
+/// state.
 struct Level {
   int variable;
   double value = 0;
 };
 std::optional<Level> level_of(const Request& request);
 
-/// Whether the expression is the same for all members and reads only what lanes show: not the energy, and no parameter
-/// that varies.
+/// is_of_lanes tells whether the plane's expression is the same for all members and reads only what lanes have: neither
+/// the energy nor a parameter that varies.
 bool is_of_lanes(const EnsemblePlan& plan);
 
 }  // namespace least

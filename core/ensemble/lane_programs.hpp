@@ -1,12 +1,12 @@
-// Members in lanes by programs (core/ensemble/lane_program.hpp), instruction by instruction, each for the packs of a
-// group. Only units of lanes include this header.
+// Interprets programs (core/ensemble/lane_program.hpp) in lanes, each instruction for all packs of a group. Only the
+// lane units include this header.
 #pragma once
 
 #include "core/ensemble/lane_run.hpp"
 
 namespace least {
 
-/// Functions that no compiled problem asks lanes for.
+/// Functions that no compiled problem needs in lanes.
 namespace lane_functions {
 using least::abs, least::cos, least::exp, least::expm1, least::log, least::pow, least::sin, least::sqrt, least::tanh;
 #ifdef LEAST_SLEEF
@@ -29,7 +29,7 @@ LEAST_BOTH(acos)
 #undef LEAST_LANE_FUNCTION
 }  // namespace lane_functions
 
-/// Runs instructions on registers of so many numbers T each.
+/// execute runs instructions on registers of Width numbers T each; `shared` are the shared registers.
 template <class T, std::size_t Width>
 void execute(std::span<const LaneInstruction> code, T* registers, const double* shared) {
   using enum LaneCode;
@@ -61,7 +61,7 @@ void execute(std::span<const LaneInstruction> code, T* registers, const double* 
 #pragma GCC unroll 8
       for (std::size_t j = 0; j < Width; ++j) out[j] = f(a[j], u * c[j]);
     };
-    // One after the other: functions are called.
+    // Not unrolled, as functions are called.
     const auto call = [&](auto&& f) {
       const T* const a = at(one.a);
 #pragma GCC unroll 1
@@ -180,7 +180,8 @@ void execute(std::span<const LaneInstruction> code, T* registers, const double* 
   }
 }
 
-/// A program with its registers: so many packs of the program's `registers` in lanes, and shared_count of shared ones.
+/// ProgramRun is a program with its registers: program.registers × Width numbers in lanes, and shared_count(program)
+/// shared ones, both owned by the caller.
 template <class T, std::size_t Width>
 class ProgramRun {
  public:
@@ -192,7 +193,8 @@ class ProgramRun {
   }
   T* at(std::size_t place) { return registers_ + place * Width; }
 
-  /// Of the state that stands in its registers, what a step finds of the one before it.
+  /// start(t, h) computes, from the state in its registers, the values that the first step expects from a step before
+  /// it.
   void start(double t, double h) {
     shared_[0] = t;
     set_step(h);
@@ -207,7 +209,7 @@ class ProgramRun {
     run(program_.step.of_step);
     execute<T, Width>(program_.step.of_members, registers_, shared_);
   }
-  /// Constants of members have become others.
+  /// forget_step(): the members' own constants have changed, so that what depends on them is to be computed anew.
   void forget_step() { prepared_ = false; }
   void step(double t) {
     shared_[0] = t;
@@ -216,7 +218,7 @@ class ProgramRun {
     run(program_.after);
   }
 
-  /// What a step finds of the one before it, as long as the state is the same.
+  /// StepCache saves the values that are carried from one step to the next, to undo steps.
   struct StepCache {
     std::vector<T> lanes;
     std::vector<double> shared;

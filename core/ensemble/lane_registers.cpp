@@ -5,7 +5,7 @@
 namespace least {
 namespace {
 
-/// Which operand is a shared register: 0 for a, 1 for b, −1 for none.
+/// shared_operand returns which operand is a shared register: 0 for a, 1 for b, −1 for none.
 int shared_operand(LaneCode code) {
   using enum LaneCode;
   if (code == add_shared || code == subtract_shared || code == divide_shared || code == add_scaled ||
@@ -35,7 +35,7 @@ std::vector<LaneInstruction> LaneRegisters::assign(const std::vector<LaneOperati
       if (given[i] < fixed_) fixed_read[given[i]] = k;
     });
   }
-  // What has to stand in a fixed register is made there, where what stands there is not read any more.
+  // A value that must end in a fixed register is computed there, if that register is not read any more.
   std::vector<End> moves;
   for (const auto& [value, where] : ends) {
     const auto i = static_cast<std::size_t>(value);
@@ -61,7 +61,7 @@ std::vector<LaneInstruction> LaneRegisters::assign(const std::vector<LaneOperati
     each_operand(one, [&](std::size_t i) {
       if (last[i] != k || given[i] < fixed_) return;
       free.push_back(given[i]);
-      last[i] = forever;  // once, where it is named twice
+      last[i] = forever;  // freed only once, also if an operand is named twice
     });
     std::uint32_t& out = given[static_cast<std::size_t>(one.out)];
     if (out == nowhere && !free.empty()) {

@@ -1,5 +1,5 @@
-// The members of a task in lanes, group by group, in as few groups as hold those that have not ended. Only units of
-// lanes include this header.
+// Runs the members of a task in lanes, group by group, closing up groups as members end. Only the lane units include
+// this header.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,11 @@
 
 namespace least {
 
-/// Fewer groups where their members are fewer: the last ones go on in lanes of the first.
+/// close_ranks reduces the number of groups when few members are left: members of the last groups move into free lanes
+/// of the first ones.
 inline void close_ranks(std::vector<std::unique_ptr<GroupRun>>& groups) {
-  std::erase_if(groups, [](auto& group) {  // it stands still where its last member ended: nobody can go on from there
+  // a group without members stopped at an earlier step, so that nobody can continue in it
+  std::erase_if(groups, [](auto& group) {
     if (!group->anyone()) group->account();
     return !group->anyone();
   });
@@ -19,28 +21,28 @@ inline void close_ranks(std::vector<std::unique_ptr<GroupRun>>& groups) {
   for (const auto& group : groups) members += group->alive();
   while (groups.size() * group_size >= members + group_size) {
     for (; groups.back()->anyone(); ++into) groups[into]->take(*groups.back());
-    into -= into > 0;  // there may be room left
+    into -= into > 0;  // this group may still have room
     groups.back()->account();
     groups.pop_back();
   }
 }
 
-/// Makes the steps of the group that begins with that member, from its states.
+/// GroupMaker makes the stepper of the group that begins with member `first`, from its states.
 class GroupMaker {
  public:
   virtual ~GroupMaker() = default;
   virtual std::unique_ptr<GroupSteps> of(std::size_t first, const Lanes* x) const = 0;
 };
-/// Runs the members of a task, as many groups at once as fit the cache that is a core's own: of a group so many bytes,
-/// of a state so many components.
+/// run_members runs the members of a task, as many groups at once as fit into a core's own cache. `bytes` is the size
+/// of a group's stepper, `size` the number of components of a state.
 inline void run_members(LaneTask& task, const GroupMaker& maker, std::size_t bytes, std::size_t size) {
   constexpr std::size_t cache = std::size_t{1} << 18;
-  // Steps of one group after the other: long against what it costs to turn to it.
+  // Steps of one group before turning to the next: long compared with the cost of turning.
   constexpr std::int64_t stretch = GroupOfClocks::stretch;
   const std::size_t at_once =
       std::max(cache / (bytes + sizeof(GroupRun) + 3 * group_size * size * sizeof(double)), packs);
   for (std::size_t first = 0; first < task.count;) {
-    GroupOfClocks clocks;  // they have the same steps and the same times
+    GroupOfClocks clocks;  // all groups have the same steps and times
     std::vector<std::unique_ptr<GroupRun>> groups;
     for (; first < task.count && groups.size() < at_once; first += group_size) {
       groups.push_back(std::make_unique<GroupRun>(task, size, first));
@@ -58,7 +60,7 @@ inline void run_members(LaneTask& task, const GroupMaker& maker, std::size_t byt
   }
 }
 
-/// Of a task of the problem P, by a scheme.
+/// ProblemMaker makes steppers of problem P by a compiled scheme.
 template <class P>
 class ProblemMaker final : public GroupMaker {
  public:
@@ -75,12 +77,12 @@ class ProblemMaker final : public GroupMaker {
   BindGroup<P> bind_;
 };
 
-/// A task of the problem P.
+/// run_lanes runs a task of problem P. False: scheme and problem are not compiled together, or the start is a series.
 template <template <class> class P>
 bool run_lanes(LaneTask& task) {
   using Problem = P<double>;
   using X = StateOf<Problem, Lanes>;
-  if constexpr (HasSeries<Problem>)  // its first steps are not the scheme's
+  if constexpr (HasSeries<Problem>)  // the first steps are those of the series
     if (task.start_time >= 0 && task.start_time <= Problem::series_until) return false;
   bool ran = false;
   with_bound_scheme<Problem, X>(task.scheme, task.settings,

@@ -1,4 +1,4 @@
-// The schemes that lanes know, with the names of core/ensemble/lane_task.hpp.
+// The schemes of core/ensemble/lane_task.hpp as types.
 #pragma once
 
 #include <tuple>
@@ -12,11 +12,11 @@
 
 namespace least {
 
-/// In the order of lane_schemes.
+/// In the order of the names in lane_schemes.
 using LaneSchemes = std::tuple<ExplicitEuler, ExplicitMidpoint, RungeKutta4, Ruth3, SymplecticEuler, Leapfrog,
                                ContactSymplecticEuler, ContactLeapfrog, ContactSplitting>;
 
-/// f(the scheme at that place of lane_schemes).
+/// with_lane_scheme calls f(scheme) with the scheme at that place of lane_schemes.
 template <class F>
 void with_lane_scheme(std::size_t place, std::span<const double> settings, F&& f) {
   std::size_t i = 0;

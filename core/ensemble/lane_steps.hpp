@@ -1,5 +1,5 @@
-// Steps of a group of members: packs of lanes, one after the other, so that the latency of one is hidden by the
-// others. Only units of lanes include this header.
+// Steps of a group of members: packs of lanes are stepped in turn, so that each hides the latency of the others. Only
+// the lane units include this header.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "core/number/lanes.hpp"
 
-// The schemes see lanes only where they come first.
+// The lane header must come before the schemes.
 #include "core/ensemble/lane_clock.hpp"
 #include "core/ensemble/lane_schemes.hpp"
 #include "core/ensemble/square.hpp"
@@ -16,21 +16,21 @@
 
 namespace least {
 
-/// What stands for a limit when it is compared with such squares: its own, a little less, so that nothing above the
-/// limit is missed. What follows from it is to be looked at again.
+/// screen_of returns a bound for squares that stands for a limit: the limit's square, reduced slightly so that nothing
+/// above the limit passes. Values between are to be checked exactly.
 LEAST_INLINE Lanes screen_of(const Lanes& limit) {
   constexpr double most = 1e300, room = 1 - 1e-9;
   const Lanes square = limit * limit * Lanes(room);
   return select((square > Lanes(most)) & (limit < Lanes(std::numeric_limits<double>::infinity())), Lanes(most), square);
 }
-/// Whether it is below the limit for sure: not where its square is, nor where numbers are too small to tell.
+/// is_below tells whether a is surely below the limit; false where the squares do not decide, or underflow.
 LEAST_INLINE LaneMask is_below(const Square<Lanes>& a, const Lanes& limit, const Lanes& screen) {
   if (a.plain) return a.value <= limit;
   const Lanes least(1e-300);
   return select(least > a.over, least, a.over) <= screen * a.under;
 }
 
-/// Of each lane whether it goes on.
+/// LaneStatuses tells, by lane, whether the step has succeeded so far.
 struct LaneStatuses {
   LaneMask well;
   LEAST_INLINE LaneStatuses(StepStatus all)  // NOLINT(google-explicit-constructor): one for all
@@ -41,7 +41,7 @@ LEAST_INLINE bool all_failed(LaneStatuses& status, const LaneMask& where, StepSt
   status.well = status.well & !where;
   return !any(status.well);
 }
-/// What does not depend on the lane fails all of them.
+/// A condition that does not depend on the lane fails all lanes.
 LEAST_INLINE bool all_failed(LaneStatuses& status, bool where, StepStatus) {
   if (where) status.well = {};
   return where;
@@ -57,17 +57,17 @@ inline constexpr std::size_t group_size = packs * lane_count;
 template <class T>
 using Group = std::array<T, packs>;
 
-/// What is seen of the steps of a block, by pack.
+/// StepObservations collects observations over the steps of a block, by pack.
 struct StepObservations {
-  Group<LaneMask> well, inside, slow;  ///< slow: ω² was below its limit for sure
-  Group<Lanes> lowest{};               ///< s
+  Group<LaneMask> well, inside, slow;  ///< slow: ω² was surely below its limit
+  Group<Lanes> lowest{};               ///< the smallest s
   StepObservations() {
     well.fill(LaneMask::everywhere());
     slow = inside = well;
   }
 };
 
-/// What may go wrong with a pack, in the order in which a lone run looks for it.
+/// LaneFaults are the possible faults of a pack, in the order in which a lone run looks for them.
 class LaneFaults {
  public:
   struct Fault {
@@ -90,34 +90,37 @@ inline LaneMask finite(const Lanes* x, std::size_t size) {
   return good;
 }
 
-/// The states of a group and their steps by one scheme, erased, with what its problem says of states. What a step reads
-/// and writes lies close together: loads behind stores a whole number of pages away would wait for them.
+/// GroupSteps is the type-erased stepper of a group with its states, and the checks of its problem. What a step reads
+/// and writes is kept close together: a load that follows a store at a distance of a whole number of pages would stall.
 class GroupSteps {
  public:
   virtual ~GroupSteps() = default;
-  /// The components of the states.
+  /// size() returns the number of components of a state.
   std::size_t size() const { return size_; }
   Lanes* state(std::size_t j) { return states_ + j * stride_; }
   const Lanes* state(std::size_t j) const { return states_ + j * stride_; }
-  /// Only so many packs are asked for from now on.
+  /// use(count) restricts steps to the first packs.
   void use(std::size_t count) { used_ = count; }
 
-  /// `count` steps of the length h from the n-th on, on the grid t₀ + n·step; t is the time of the states.
+  /// advance takes `count` steps of length h from number n on; step n begins at start + n·step, and t is the time of
+  /// the states.
   virtual void advance(double t, double start, double step, std::int64_t n, std::int64_t count, double h,
                        StepObservations& seen) = 0;
   virtual void keep() = 0;
   virtual void take_back() = 0;
-  /// What belongs to the state of a lane of another group, which made as many steps, and is kept here.
+  /// take_lane copies what belongs to a lane's state but is stored in the stepper, from a group that has made as many
+  /// steps.
   virtual void take_lane(GroupSteps& other, std::size_t from_pack, std::size_t from, std::size_t pack,
                          std::size_t lane) = 0;
   virtual Work work() const = 0;
-  /// What speaks against beginning with the pack's states.
+  /// at_start returns what forbids beginning with the states of pack j.
   virtual LaneFaults at_start(const LaneTask&, std::size_t j) {
     LaneFaults faults;
     faults.add(!finite(state(j), moving_), ReturnCode::not_finite);
     return faults;
   }
-  /// What went wrong with the pack. Of a single step exactly; of more, what may have gone wrong.
+  /// after returns the faults of pack j: with `exactly`, those of a single step; otherwise a superset, which must be
+  /// checked step by step.
   virtual LaneFaults after(std::size_t j, const StepObservations& seen, [[maybe_unused]] double step, bool) {
     LaneFaults faults;
     faults.add(!seen.well[j], ReturnCode::singular);
@@ -128,7 +131,8 @@ class GroupSteps {
  protected:
   std::size_t used() const { return used_; }
   std::size_t moving() const { return moving_; }
-  /// States of so many components, of which the motion needs the first ones; the next state so many Lanes behind.
+  /// show_states tells where the states are: `size` components each, the first `moving` of which the motion needs;
+  /// consecutive states are `stride` Lanes apart.
   void show_states(Lanes* first, std::size_t size, std::size_t moving, std::size_t stride) {
     states_ = first;
     size_ = size;
@@ -141,7 +145,7 @@ class GroupSteps {
   std::size_t size_ = 0, moving_ = 0, stride_ = 0, used_ = packs;
 };
 
-/// The state of a pack.
+/// state_of returns the state of a pack.
 template <class X>
 LEAST_INLINE X state_of(const Lanes* x, double t) {
   X y;
@@ -150,7 +154,7 @@ LEAST_INLINE X state_of(const Lanes* x, double t) {
   return y;
 }
 
-/// That of a problem by whatever scheme. All members share its parameters.
+/// ProblemSteps has the checks of problem P, whatever the scheme. All members share its parameters.
 template <class P, class X>
 class ProblemSteps : public GroupSteps {
  public:
@@ -199,7 +203,7 @@ class ProblemSteps : public GroupSteps {
   static constexpr bool watches_turns = HasFrequency<P> && !ConstantFrequency<P>;
 
   const P& problem() const { return problem_; }
-  /// What a step compares ω² with.
+  /// Bounds for ω²: the limit, and the screen for its square.
   Lanes limit() const { return limit_; }
   Lanes screen() const { return screen_; }
   LEAST_INLINE static LaneMask turns_slowly(const P& problem, const X& y, const Lanes& limit,
@@ -213,7 +217,7 @@ class ProblemSteps : public GroupSteps {
   LaneMask pole(const Lanes& s, double step) const requires QuadraticContact<P> {
     return -(problem_.action_curvature() * s * step) > Lanes(2);
   }
-  /// Sets the limits, and says whose ω² is above.
+  /// limit_turns sets the bounds and returns the members whose ω² is above.
   LaneMask limit_turns(const LaneTask& task, const Lanes& turn) requires HasFrequency<P> {
     const double square = task.step * task.step;
     double damping_step = 0;
@@ -230,10 +234,10 @@ class ProblemSteps : public GroupSteps {
   }
 
   P problem_;
-  Lanes limit_{}, screen_{};  ///< of ω²
+  Lanes limit_{}, screen_{};  ///< bounds for ω²
 };
 
-/// By a scheme, which outlives it.
+/// BoundGroup steps problem P by a scheme, which must outlive it.
 template <class P, class X, class Scheme>
 class BoundGroup final : public ProblemSteps<P, X> {
  public:
@@ -305,7 +309,7 @@ class BoundGroup final : public ProblemSteps<P, X> {
   Group<Stepper> kept_;
 };
 
-/// Of a scheme, and of the states of a group at the time t.
+/// BindGroup makes a GroupSteps from a scheme and the states of a group at the time t.
 template <class P>
 using BindGroup = std::unique_ptr<GroupSteps> (*)(const void* scheme, const P& problem, const Lanes* x, double t);
 template <class P, class X, class Scheme>
@@ -313,12 +317,12 @@ std::unique_ptr<GroupSteps> bind_group(const void* scheme, const P& problem, con
   return std::unique_ptr<GroupSteps>(new BoundGroup<P, X, Scheme>(*static_cast<const Scheme*>(scheme), problem, x, t));
 }
 
-/// The schemes whose steps are compiled for the lanes of every problem. Steps of all others are run as programs.
+/// Schemes that are compiled for the lanes of every problem. Steps of all others run as programs.
 template <class Scheme>
 inline constexpr bool compiled_in_lanes = std::is_same_v<Scheme, Leapfrog> || std::is_same_v<Scheme, ContactLeapfrog> ||
                                           std::is_same_v<Scheme, ContactSplitting>;
-/// f(a scheme, its BindGroup, the bytes of a group), where the scheme at that place of lane_schemes is compiled for the
-/// problem.
+/// with_bound_scheme calls f(scheme, its BindGroup, bytes of a group) if the scheme at that place of lane_schemes is
+/// compiled for the problem.
 template <class P, class X, class F>
 void with_bound_scheme(std::size_t place, std::span<const double> settings, F&& f) {
   with_lane_scheme(place, settings, [&]<class Scheme>(const Scheme& scheme) {

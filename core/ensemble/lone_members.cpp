@@ -13,7 +13,7 @@ namespace least {
 
 namespace {
 
-/// The rows of a run, and those of its section, held before they are kept.
+/// HeldRows collects the rows of a run and of its section, and charges their memory first.
 class HeldRows final : public RowSink {
  public:
   explicit HeldRows(Held& held) : held_(held), before_(held.bytes()) {}
@@ -37,8 +37,8 @@ class HeldRows final : public RowSink {
   const std::size_t before_;
 };
 
-/// The plane of the section as the member of the request sees it: parameters that vary are constants of its
-/// expression. Where with these it is no number anywhere, there is none.
+/// set_plane puts the section's plane into a member's request, with the member's values of varied parameters as
+/// constants of the expression. If the expression is not finite anywhere for these, the request gets no plane.
 void set_plane(const EnsemblePlan& plan, Request& request) {
   request.section = plan.request.section;
   request.watched = plan.request.watched;
@@ -53,7 +53,7 @@ void set_plane(const EnsemblePlan& plan, Request& request) {
   request.events.clear();
 }
 
-/// What no run begins with, as a mass that is none.
+/// cannot_begin: no run can begin with these parameters, such as a mass that is not positive.
 bool cannot_begin(const Scene& scene) {
   const auto* text = scene.mechanics->text();
   return text && text->objection(scene.parameters);
@@ -72,12 +72,12 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
   request.diagnostics.clear();
   request.control = false;
   const bool plane = request.section && request.section->plane;
-  block.held.add(3 * sizeof(double) * (section_count(plan) + row_count(plan)));  // the looks, and their times
+  block.held.add(3 * sizeof(double) * (section_count(plan) + row_count(plan)));  // looks and their times
   const std::vector<Look> looks = looks_of(plan);
   request.record = {Record::Mode::times, 0, {}};
   for (const Look& look : looks) request.record.times.push_back(look.t);
   if (looks.empty() || looks.back().t != end) request.record.times.push_back(end);
-  if (!plane) request.section.reset();  // its times are among those
+  if (!plane) request.section.reset();  // its times are among the looks
   const MemberStarts starts(plan);
   std::vector<double> varied;
   Harvest& harvest = block.harvest;
@@ -136,7 +136,7 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
     const std::size_t apart = request.section_columns().size();
     std::vector<double> needed(width);
     for (std::size_t at = 0; at < rows.points.size(); at += apart) {
-      const double* point = &rows.points[at];  // the time, then the columns but for it
+      const double* point = &rows.points[at];  // the time, then the other columns
       for (std::size_t k = 0, next = 1; k < width; ++k) needed[k] = point[request.columns[k] == 0 ? 0 : next++];
       add_point(needed.data(), point[0]);
     }
@@ -163,7 +163,8 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
   request.control = true;
   request.limits.steps =
       std::min(request.limits.steps, steps_of_all / few / weight_of_force(*request.scene->mechanics));
-  request.limits.seconds = std::numeric_limits<double>::infinity();  // how fast a machine is changes no answer
+  // the result must not depend on the speed of the machine
+  request.limits.seconds = std::numeric_limits<double>::infinity();
 
   struct WarningCount {
     std::string_view code;
@@ -186,7 +187,7 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
   }
   std::vector<Warning> warnings;
   warnings.reserve(all.size());
-  for (const auto& [code, member, count] : all)  // the page shows the words alone
+  for (const auto& [code, member, count] : all)  // a page shows these words only
     warnings.push_back({code, std::string(code) + ": " + messages::of_few(few, count, member)});
   return warnings;
 }

@@ -10,8 +10,8 @@
 namespace least {
 namespace {
 
-/// Writes down in the numbers of lanes what stands on a tape. A power whose exponent varies is one of lanes, so that a
-/// member with x^2 has a value for x < 0, too.
+/// TapeTracer records a tape as a trace. A power with a varying exponent is recorded as that of lanes, so that x^2 with
+/// a varied exponent 2 has a value for x < 0, too.
 class TapeTracer {
  public:
   TapeTracer(const tape::Tape& tape, Trace& trace, std::map<std::size_t, Traced>& variables)
@@ -73,12 +73,12 @@ class TapeTracer {
         return acos(a());
       case Op::select:
         return select(a() < Traced(0), b(), at(node.c));
-      case Op::total:  // texts of columns are written out
+      case Op::total:  // kept sums do not occur in columns
         break;
     }
     return unknown;
   }
-  /// As core/tape/formula.cpp has it: small whole and half exponents are products and a root.
+  /// whole_or_half expands small whole and half exponents into products and a root, as core/tape/formula.cpp does.
   static Traced whole_or_half(const Traced& x, double exponent) {
     const double halves = std::abs(2 * exponent);
     if (!(halves <= 32 && halves == std::floor(halves))) return pow(x, exponent);
@@ -162,7 +162,7 @@ void MemberColumns::compile(const MemberReader& reader) {
         if (part != tape::none) wanted[static_cast<std::size_t>(part)] = true;
 
   const std::size_t known = reader.card_.columns.size();
-  std::vector<std::size_t> read;  // by their numbers on the tape
+  std::vector<std::size_t> read;  // by variable of the tape
   for (tape::Index i = 0; i < tape.size(); ++i) {
     if (!wanted[static_cast<std::size_t>(i)] || tape[i].op != tape::Op::variable) continue;
     read.push_back(static_cast<std::size_t>(tape[i].value));

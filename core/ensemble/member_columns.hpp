@@ -1,6 +1,5 @@
-// Columns of an ensemble: those of the scene's card, and expressions of the caller's own, in which what varies from
-// member to member is a variable like any other. They are read and made ready once for all members, and say the same on
-// every machine.
+// Columns of an ensemble: columns of the scene's card, and expressions of the request, in which varied quantities are
+// variables like any other. They are compiled once for all members and give the same bits on every machine.
 #pragma once
 
 #include <memory>
@@ -11,51 +10,53 @@
 
 namespace least {
 
-/// Reads expressions over the members of an ensemble, one after the other. Stays where it is.
+/// MemberReader reads expressions over the members of an ensemble, one after the other. Not movable.
 class MemberReader {
  public:
-  /// Scene and variations outlive it.
+  /// Scene and variations must outlive it.
   MemberReader(const Scene& scene, std::span<const Variation> vary);
   MemberReader(const MemberReader&) = delete;
   MemberReader& operator=(const MemberReader&) = delete;
 
-  /// What is wrong with the text, if anything: then it is left out.
+  /// read returns what is wrong with the text, which is then left out; nothing where it is right.
   std::optional<text::Fault> read(std::string name, std::string text);
-  /// The names that they may use, beside `pi`.
+  /// names() returns the names that expressions may use, besides `pi`.
   std::vector<std::string_view> names() const;
-  /// Those that were read, in their order; they say nothing of the states of a single run.
+  /// made() returns the expressions that were read, in order; they do not refer to the states of a single run.
   const Measures& made() const { return measures_; }
 
  private:
   friend class MemberColumns;
   const ProblemCard& card_;
-  const text::TextScene* text_;  ///< the scene as it was typed; null where it was not
-  tape::Tape tape_;              ///< variables: the columns of the card, then the parameters that vary
+  const text::TextScene* text_;  ///< the scene, where it was given as text; else null
+  tape::Tape tape_;              ///< its variables: the columns of the card, then the parameters that vary
   text::Words words_;
   std::vector<tape::Index> outputs_;
   Measures measures_;
 };
 
+/// MemberColumns computes the columns of an ensemble from columns of the card.
 class MemberColumns {
  public:
-  /// `request`: its columns and measures, which MemberReader can read.
+  /// The columns and measures of `request` must be readable by MemberReader.
   MemberColumns(const Request& request, std::span<const Variation> vary);
 
-  /// Columns of the card, at least one, from which all that is asked for follows: what runs of members are asked for.
+  /// needed() returns the columns of the card, at least one, from which all requested columns follow; runs of members
+  /// record these.
   const std::vector<std::size_t>& needed() const { return needed_; }
   std::size_t size() const { return columns_.size(); }
-  /// out[k] of each column that is asked for, from those needed, the time, and those parameters that vary, in the order
-  /// of the variations. What does not exist is unknown.
+  /// fill writes the requested columns: from the needed ones, the time, and the varied parameters in the order of the
+  /// variations. Values that do not exist are NaN.
   void fill(const double* needed, double t, std::span<const double> varied, double* out) const;
 
  private:
   void compile(const MemberReader& reader);
 
   std::vector<std::size_t>
-      columns_;  ///< of those asked for: the place among those needed, or behind them which own one
+      columns_;  ///< by requested column: its place in `needed_`, or behind these the number of the expression
   std::vector<std::size_t> needed_;
   std::size_t own_ = 0;
-  std::shared_ptr<const CompiledLanes> lanes_;  ///< where there are expressions
+  std::shared_ptr<const CompiledLanes> lanes_;  ///< the compiled expressions, if there are any
 };
 
 }  // namespace least

@@ -1,5 +1,4 @@
-// Members whose steps are written down alike: they differ in their states, and in constants where their parameters
-// differ.
+// Members whose steps have equal traces: they differ in their states, and in constants where their parameters differ.
 #pragma once
 
 #include <map>
@@ -10,39 +9,42 @@
 
 namespace least {
 
+/// MemberGroup is used in this order: add all members, set_parameter and compile_values, objection_to_start of all
+/// members, compile_steps.
 class MemberGroup {
  public:
   explicit MemberGroup(StepTrace&& shape) : shape_(std::move(shape)) { shape_.trace.close(); }
 
   bool has(const StepTrace& trace) const { return trace.has_shape_of(shape_); }
-  /// A member by its place in the block, with the constants of its own trace; none, and so of all: the group's.
+  /// add(member, constants): `member` is the place in the block, `constants` those of its own trace; empty for all
+  /// members: those of the group's trace.
   void add(std::size_t member, std::vector<double> constants);
   // When all are there:
-  /// Each member's value of the k-th parameter that varies.
+  /// set_parameter(k, values) sets each member's value of the k-th varied parameter.
   void set_parameter(std::size_t k, std::span<const double> values);
-  /// What is asked of states.
+  /// compile_values() compiles the columns and the checks at the start.
   void compile_values();
-  /// Why no run of the task can begin with the i-th member; `completed`: it can. The state is near enough for that to
-  /// be a question where it is `near`. What ω² is compared with on the way is set for the member.
+  /// objection_to_start returns why no run of the task can begin with the i-th member; `completed` where it can. `near`
+  /// tells that the state is small enough for the motion to be evaluated. Sets the member's limit of ω².
   ReturnCode objection_to_start(std::size_t i, const LaneTask& task, const double* state, bool near);
-  /// The step, when objection_to_start was asked for all members; and whether it fits the trace.
+  /// compile_steps() compiles the step, with the constants that objection_to_start has set.
   void compile_steps();
 
   const std::vector<std::size_t>& members() const { return members_; }
   bool has_steps() const { return shape_.end > shape_.begin; }
   const LaneProgram& step() const { return steps_->view; }
-  /// Rows of the card that the state is made of.
+  /// rows() returns, by component of the state, its place on the card.
   const std::vector<std::uint32_t>& rows() const { return shape_.rows; }
-  /// The table of a task.
+  /// own() returns the table for a LaneTask.
   const double* own() const { return own_of_step_.data(); }
 
   // Of the i-th member; states are in the order of the card.
   void columns(std::size_t i, double t, const double* state, double* out);
-  /// The variables that the state is made of, after a step; false: it fails.
+  /// advance replaces the components of the state by those after a step; false: the step fails.
   bool advance(std::size_t i, double t, double h, const double* before, double* state);
 
  private:
-  /// A program with the constants that each member has of its own, member by member.
+  /// MemberProgram is a program with the members' own constants.
   struct MemberProgram {
     explicit MemberProgram(const LaneSource& source) : lanes(source), view(lanes.program()) {}
     MemberProgram(const MemberProgram&) = delete;
@@ -58,13 +60,14 @@ class MemberGroup {
   }
   double constant_of(std::size_t i, std::size_t constant) const;
   Program compiled(LaneSource source) const;
-  /// What the program makes of a state of the i-th member.
+  /// evaluate returns the program's values at a state of the i-th member.
   const double* evaluate(const MemberProgram& program, std::size_t i, double t, double h, const double* state);
 
   StepTrace shape_;
   std::vector<std::size_t> members_;
-  std::vector<std::vector<double>> constants_;           ///< of each member, or none
-  std::map<std::size_t, std::vector<double>> replaced_;  ///< constants by number, and in their place one of each member
+  std::vector<std::vector<double>> constants_;  ///< by member; empty: all have those of the trace
+  /// by number of the constant, a value for each member in its place
+  std::map<std::size_t, std::vector<double>> replaced_;
   Program steps_, columns_, starts_;
   std::vector<double> own_of_step_, values_;
 };

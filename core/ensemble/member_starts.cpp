@@ -9,7 +9,7 @@
 namespace least {
 namespace {
 
-/// Whether the momenta that follow from velocities depend on something that varies.
+/// momenta_vary tells whether the momenta that follow from velocities depend on a varied quantity.
 bool momenta_vary(const text::TextScene& text, const Members& members) {
   const text::Form& form = *text.form;
   const auto varies = [&](int variable) -> tape::Dependence {

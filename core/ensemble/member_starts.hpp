@@ -1,5 +1,5 @@
-// Where the members of an ensemble start. Of a scene whose start is in velocities each member has these, and the
-// momenta that its own parameters and coordinates make of them.
+// The starts of the members of an ensemble. Where a scene's start is given by velocities, members share these, and each
+// has the momenta that follow from its own parameters and coordinates.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,23 @@
 
 namespace least {
 
+/// MemberStarts computes the starts of the members of one plan.
 class MemberStarts {
  public:
-  /// Of the members of a plan, which outlives this.
+  /// The plan must outlive it.
   explicit MemberStarts(const EnsemblePlan& plan);
 
-  /// Parameters and start of the i-th member, in the order of the card.
+  /// find sets parameters and start of the i-th member, in the order of the card.
   void find(std::int64_t i, std::vector<double>& parameters, std::vector<double>& initial) const;
-  /// Its scene.
+  /// scene(i) returns the scene of the i-th member.
   std::shared_ptr<const Scene> scene(std::int64_t i) const;
 
  private:
   const EnsemblePlan& plan_;
-  std::vector<double> in_velocities_;     ///< the common start, where momenta differ from member to member; else empty
-  std::optional<tape::Formula> momenta_;  ///< of velocities, where all members have the same parameters
+  /// the common start with velocities, where momenta differ between members; else empty
+  std::vector<double> in_velocities_;
+  /// momenta as functions of velocities, where all members have the same parameters
+  std::optional<tape::Formula> momenta_;
 };
 
 }  // namespace least

@@ -19,11 +19,11 @@ double polynomial(const std::array<double, N>& c, double x) {
   return sum;
 }
 
-// The logarithm of the C library differs in its last bit from one instruction set to the other.
+// The C library's logarithm may differ in the last bit between instruction sets.
 double log_everywhere(double x) { return Sleef_cinz_logd1_u10purec(x); }
 
-/// Which of a member's random numbers each variation takes: by the order of the scene's variables, velocities and
-/// parameters, so that members do not depend on the order in which variations are said.
+/// numbers_of returns which of a member's random numbers each variation takes: in the order of the scene's variables,
+/// velocities and parameters, so that members do not depend on the order in which the request lists variations.
 std::vector<std::uint32_t> numbers_of(const std::vector<Variation>& vary) {
   std::vector<std::size_t> in_order(vary.size());
   std::iota(in_order.begin(), in_order.end(), std::size_t{0});

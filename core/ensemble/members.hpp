@@ -1,5 +1,5 @@
-// The members of an ensemble: each a scene that differs from the others in the values of a few quantities, which follow
-// from the seed and the member's index alone.
+// The members of an ensemble: scenes that differ in the values of a few quantities, which depend only on the seed and
+// the member's index.
 #pragma once
 
 #include <array>
@@ -11,44 +11,44 @@
 
 namespace least {
 
-/// How a quantity varies. Grids and values form their product, the last one fastest, which members beyond it go through
-/// again; the others are drawn.
+/// Spread is how a quantity varies. Grids and values form their Cartesian product, the last quantity varying fastest;
+/// members beyond the product repeat it. The other kinds are random.
 enum class Spread : std::uint8_t { grid, values, uniform, normal, logistic };
 inline constexpr std::array<std::string_view, 5> spread_names{"grid", "values", "uniform", "normal", "logistic"};
 
-/// What varies: a variable of the start, the velocity of a coordinate, or a parameter of the problem.
+/// Varied is what varies: a variable of the start, the velocity of a coordinate, or a parameter of the problem.
 enum class Varied : std::uint8_t { variable, velocity, parameter };
 
 struct Variation {
   Varied of = Varied::variable;
-  std::size_t index = 0;  ///< among those of the card; of a velocity that of its coordinate
+  std::size_t index = 0;  ///< on the card; for a velocity, of its coordinate
   Spread spread = Spread::grid;
-  /// grid: first, last, how many; values: all of them; uniform: from, to; normal: mean, standard deviation; logistic:
+  /// grid: first, last, how many; values: the list; uniform: from, to; normal: mean, standard deviation; logistic:
   /// mean, scale.
   std::vector<double> numbers;
 
   bool is_parameter() const { return of == Varied::parameter; }
   bool drawn() const { return spread > Spread::values; }
-  /// How many values it takes where it is not drawn.
+  /// size() returns how many values a variation has that is not random.
   std::int64_t size() const;
 };
 
-/// The inverse of the normal distribution function, to 1e-15 of its value, for 0 < p < 1. The same bits on every
-/// machine. Source: Wichura, Algorithm AS 241, Appl. Statist. 37, 477 (1988).
+/// normal_quantile returns the inverse of the normal distribution function for 0 < p < 1, to a relative error of 1e-15
+/// and with the same bits on every machine. Source: Wichura, Algorithm AS 241, Appl. Statist. 37, 477 (1988).
 double normal_quantile(double p);
-/// ln(p/(1 − p)), the same of the logistic distribution.
+/// logistic_quantile returns ln(p/(1 − p)), the same of the logistic distribution.
 double logistic_quantile(double p);
 
 struct Members {
   std::int64_t count = 0;
   std::uint64_t seed = 0;
   std::vector<Variation> vary;
-  /// Of their starts members have the velocities in common, where momenta would depend on what varies, and not the
-  /// momenta.
+  /// Members share the velocities of the start, not the momenta, where momenta depend on what varies.
   bool holds_velocities = false;
-  std::vector<double> velocities{};  ///< of all coordinates, as given; empty: they follow from momenta
+  /// the start's velocities of all coordinates, if they were given; empty: they follow from momenta
+  std::vector<double> velocities{};
 
-  /// The values of what varies, in its order, for the i-th member.
+  /// of(i) returns the values of the variations, in their order, for the i-th member.
   std::vector<double> of(std::int64_t i) const;
 };
 

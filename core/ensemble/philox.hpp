@@ -1,4 +1,5 @@
-// Philox4x32-10: random numbers as a function of a counter and a key, so that each can be made without those before it.
+// Philox4x32-10: random numbers as a function of a counter and a key, so that each can be computed without the previous
+// ones.
 // Source: Salmon, Moraes, Dror, Shaw, Parallel random numbers: as easy as 1, 2, 3, SC11 (2011).
 #pragma once
 
@@ -21,7 +22,7 @@ constexpr PhiloxCounter philox(PhiloxCounter x, PhiloxKey key) {
   return x;
 }
 
-/// A number within (0, 1), one of 2⁵² equally far apart, for the i-th member and its k-th quantity.
+/// uniform returns a number in (0, 1), one of 2⁵² equidistant ones, for the k-th quantity of the i-th member.
 constexpr double uniform(std::uint64_t seed, std::uint64_t i, std::uint32_t k) {
   const PhiloxCounter bits = philox({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i >> 32U), k, 0},
                                     {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U)});

@@ -6,7 +6,7 @@
 namespace least {
 namespace {
 
-/// The problem with its parameters as numbers of the trace.
+/// problem_on returns the problem with its parameters as numbers of the trace.
 template <template <class> class P>
 P<Traced> problem_on(StepTrace& made, const Scene& scene, std::span<const std::size_t> varied) {
   auto problem = parameters::in<Traced>(from_values<P<double>>(About<P>::fields, scene.parameters));
@@ -29,13 +29,14 @@ bool trace(const Request& request, std::span<const std::size_t> varied, std::opt
            StepTrace& made) {
   using Problem = P<double>;
   const Scene& scene = *request.scene;
-  if constexpr (HasSeries<Problem>)  // its first steps are not the scheme's
+  if constexpr (HasSeries<Problem>)  // the first steps are those of the series
     if (scene.start >= 0 && scene.start <= Problem::series_until) return false;
   if (full && !std::is_same_v<FullRunState<Problem>, FullStateOf<Problem>>) return false;
   std::size_t capacity = 0;
   if constexpr (!Flow<Problem>) capacity = Problem::dof;
   const auto problem = problem_on<P>(made, scene, varied);
-  if (std::ranges::find(made.parameters, -1) != made.parameters.end()) return false;  // a choice is no number
+  // a parameter that is a choice cannot vary as a number
+  if (std::ranges::find(made.parameters, -1) != made.parameters.end()) return false;
   StepTracer<P<Traced>> tracer(request, problem, capacity, full, made);
   bool good = !scheme;
   if (scheme) with_lane_scheme(*scheme, request.settings, [&](const auto& s) { good = tracer.trace_steps(s, s.step); });

@@ -1,15 +1,16 @@
-// A number with its square as a fraction, which products, quotients and roots of it make by multiplications alone. So a
-// problem's ω² is compared with a limit at every step without the roots and divisions of its value, which are most of
-// what a force costs.
+// A number together with its square as a fraction, which products, quotients and roots update by multiplications alone.
+// With it a problem's ω² is compared with a limit in every step without roots and divisions, which are most of the cost
+// of a force.
 #pragma once
 
 namespace least {
 
+/// Square is x and x² = over/under.
 template <class T>
 struct Square {
-  T value{};           ///< not computed where nobody asks for it
-  T over{}, under{1};  ///< value², to a few roundings
-  bool plain = true;   ///< neither product, quotient nor root: its value is all there is to it
+  T value{};           ///< x; the compiler drops its computation where it is not used
+  T over{}, under{1};  ///< to a few roundings
+  bool plain = true;   ///< neither product, quotient nor root: only `value` is meaningful
 
   Square() = default;
   [[gnu::always_inline]] Square(const T& x) : value(x), over(x * x) {}  // NOLINT(google-explicit-constructor)

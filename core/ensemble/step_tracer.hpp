@@ -1,4 +1,4 @@
-// Writes down a step of the problem P, whose parameters may be numbers that record.
+// Traces a step of the problem P, whose parameters may be recording numbers.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,11 @@
 
 namespace least {
 
+/// StepTracer fills a StepTrace: its constructor traces start conditions and columns, trace_steps the step.
 template <class P>
 class StepTracer {
  public:
-  /// `capacity`: the degrees of freedom, or variables of a flow, for which the card has room.
+  /// `capacity` is the number of degrees of freedom, or variables of a flow, that the card has room for.
   StepTracer(const Request& request, const P& problem, std::size_t capacity, bool full, StepTrace& made)
       : card_(request.scene->card()),
         problem_(problem),
@@ -34,7 +35,7 @@ class StepTracer {
         made.rows.push_back(*row);
         components_.push_back(i);
       }
-    // Where the motion does not need s, it stands behind all others and is not part of the state.
+    // Where the motion does not need s, s is the last variable and not part of the state.
     if constexpr (LinearContact<P>)
       if (!full) x_.action.s = Traced::variable(trace_, made.rows.size());
     trace_start();
@@ -42,13 +43,13 @@ class StepTracer {
     made_.values_end = trace_.size();
   }
 
-  /// Whether it was possible.
+  /// trace_steps returns whether the step could be traced.
   template <class Scheme>
   bool trace_steps(const Scheme& scheme, double step) {
     if constexpr (requires { typename StepperOf<Scheme, P, X>; }) {
       constexpr bool with_pole = QuadraticContact<P> && !OfRatesAlone<Scheme>;
       if (!with_pole) made_.pole = -1;
-      trace_.make_room();  // a step that writes may not throw
+      trace_.make_room();  // writing within a step must not throw
       auto stepper = scheme.bind(problem_, x_);
       made_.forces_at_start = stepper.work().forces;
       X x = x_;
@@ -79,7 +80,7 @@ class StepTracer {
       return P::dof;
     }
   }
-  /// Of a component of the state: its place on the card, where the scene has it.
+  /// row_of returns the place on the card of a component of the state; nothing where the scene does not have it.
   std::optional<std::uint32_t> row_of(std::size_t i) const {
     const std::size_t n = coordinates();
     if constexpr (Flow<P>) {
@@ -160,12 +161,12 @@ class StepTracer {
         if (card_.quantities[k].name == name) return problem_.quantities(x_.y, x_.t)[k];
     return unknown;
   }
-  /// −γ s h > 2, where H has γs²/2: a step reaches the pole of ṡ = −γs²/2.
+  /// reaches_pole: −γ s h > 2 in a scene with γs²/2, whose step then reaches the pole of ṡ = −γs²/2.
   Traced::Mask reaches_pole(const X& x, const Traced& h) const requires QuadraticContact<P> {
     return -(problem_.action_curvature() * x.action.s * h) > Traced(2);
   }
 
-  /// ω² is above its limit. Its square is compared, as a fraction: of roots and quotients nothing is computed.
+  /// turns_too_fast: ω² is above its limit. Squares are compared as fractions, which needs no roots or quotients.
   Traced::Mask turns_too_fast(const X& x) const requires watches_turns {
     std::array<Square<Traced>, std::tuple_size_v<std::remove_cvref_t<decltype(position(x))>>> q;
     for (std::size_t i = 0; i < q.size(); ++i) q[i] = position(x)[i];
@@ -173,7 +174,7 @@ class StepTracer {
     return turn.plain ? turn.value > turn_limit_ : turn.over > turn_limit_ * turn_limit_ * turn.under;
   }
 
-  /// A StepFailure.
+  /// trace_step takes one step and returns its StepFailure.
   template <bool WithPole, class Stepper>
   Traced trace_step(Stepper& stepper, X& x, double step) {
     x.t = Traced::time(trace_);
@@ -192,7 +193,8 @@ class StepTracer {
     return failed;
   }
 
-  /// The second step is the first with other numbers: those that the first one found, and the second one has from it.
+  /// compare_steps checks that a second step is the first with other inputs, and pairs the values that the first step
+  /// read from before with those that the second read from the first.
   bool compare_steps(const X& after) {
     const auto& nodes = trace_.nodes();
     const Place length = made_.end - made_.begin;
@@ -234,8 +236,8 @@ class StepTracer {
   StepTrace& made_;
   Trace& trace_;
   X x_;
-  Traced turn_limit_;                    ///< of ω²
-  std::vector<std::size_t> components_;  ///< of the state, that the scene has
+  Traced turn_limit_;                    ///< limit of ω²
+  std::vector<std::size_t> components_;  ///< the components of the state that the scene has
 };
 
 }  // namespace least

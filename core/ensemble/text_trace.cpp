@@ -20,7 +20,7 @@ std::optional<StepTrace> trace_text(const Request& request, std::span<const doub
     with_lane_scheme(scheme, request.settings, [&](const auto& s) { good = tracer.trace_steps(s, s.step); });
     if (!good) made.reset();
   };
-  // Forms that differ in nothing but what they can be asked for are one here.
+  // Forms that lead to the same class are traced alike.
   constexpr int n = text::compiled_coordinates;
   if (form.kind == FormKind::separable) as(static_cast<text::SeparableScene<n>*>(nullptr));
   if (form.kind == FormKind::contact_linear && form.constant_damping) as(static_cast<text::DampedScene<n>*>(nullptr));

@@ -70,12 +70,13 @@ Traced operator/(const Traced& a, const Traced& b) {
   if (is_number(b, 1)) return a;
   return Traced::made(LaneCode::divide, a, b);
 }
-/// A choice by what may be no number adds 0 times it to what it takes (core/tape/symbol.hpp).
+/// scaled keeps 0 · x, which a select adds to its result so that it is NaN where its condition is
+/// (core/tape/symbol.hpp).
 Traced scaled(const Traced& x, double factor) {
   return factor == 0 && !x.is_constant() ? Traced::made(LaneCode::multiply, x, factor) : x * factor;
 }
 
-// Of constants by the functions that lanes have.
+// Constants are folded by the same functions as lanes use.
 Traced sqrt(const Traced& x) {
   return x.is_constant() ? Traced(std::sqrt(x.constant_)) : Traced::made(LaneCode::sqrt, x);
 }

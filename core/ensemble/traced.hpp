@@ -1,8 +1,7 @@
-// A number that writes down what is done to it: arithmetic with it leaves a list of operations in their order, nothing
-// of it changed but products with 0 and 1 and sums with 0, which are left out. So what is run from such a list has the
-// bits of what wrote it, but for the signs of zeros and for what 0 times an infinity is, unless a formula says it. A
-// step of a scheme, taken with these numbers in the place of state, time and step, leaves what lanes can run
-// (core/ensemble/lane_program.hpp).
+// A recording number: arithmetic with it appends operations to a list, unchanged except that products with 0 and 1 and
+// sums with 0 are dropped. Hence running the list gives bitwise the results of the recorded code, except for signs of
+// zeros and for 0 · ∞ where no formula asks for it. Taking a step of a scheme with these numbers in the place of state,
+// time and step gives a program that lanes can run (core/ensemble/lane_program.hpp).
 #pragma once
 
 #include <utility>
@@ -14,6 +13,7 @@
 
 namespace least {
 
+/// Trace is the list of operations. A Place is the index of a node.
 class Trace {
  public:
   using Place = std::int32_t;
@@ -21,24 +21,24 @@ class Trace {
   struct Node {
     Kind kind = Kind::operation;
     LaneCode code = LaneCode::copy;
-    Place a = -1, b = -1, c = -1;  ///< what it is made of; of a variable which one it is, of a constant the how-manieth
+    Place a = -1, b = -1, c = -1;  ///< operands; of a variable its number, of a constant its index in constants()
     friend bool operator==(const Node&, const Node&) = default;
   };
-  /// Beyond so many nodes nothing is written any more.
+  /// Limit of nodes; beyond it nothing more is written.
   static constexpr std::size_t most_nodes = 200'000;
 
   Place write(const Node& node);
   Place constant(double value);
-  /// Two numbers are given: they are nodes 0 and 1.
+  /// Time and step are nodes 0 and 1.
   Trace();
 
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<double>& constants() const { return constants_; }
   Place size() const { return static_cast<Place>(nodes_.size()); }
   bool full() const { return nodes_.size() >= most_nodes; }
-  /// Room for all there may be, which costs nothing before it is written: from now on writing does not throw.
+  /// make_room() reserves address space for most_nodes, so that writing does not throw from now on.
   void make_room();
-  /// Nothing more will be written.
+  /// close() releases spare memory; nothing may be written afterwards.
   void close();
 
  private:
@@ -46,6 +46,7 @@ class Trace {
   std::vector<double> constants_;
 };
 
+/// Traced is either a constant, which is folded, or a node of a trace.
 class Traced {
  public:
   constexpr Traced() = default;
@@ -91,14 +92,14 @@ class Traced {
   friend Traced pow(const Traced& x, const Traced& exponent) { return raise(x, exponent); }
   friend Traced phi1(const Traced& z);
 
-  /// What it is compared with is not known yet, unless both are constants.
+  /// The outcome of a comparison is not known while recording, unless both numbers are constants.
   struct Mask;
   friend Mask operator<(const Traced& a, const Traced& b);
   friend Mask operator>(const Traced& a, const Traced& b);
   friend Mask operator<=(const Traced& a, const Traced& b);
   friend Mask operator>=(const Traced& a, const Traced& b);
   friend Traced select(const Mask& mask, const Traced& yes, const Traced& no);
-  /// Nothing that depends on what is given is the same as something else: what is kept for the next time is not used.
+  /// Nodes never compare as equal, so that code that caches results by their arguments computes them anew.
   friend constexpr bool operator==(const Traced& a, const Traced& b) {
     return a.is_constant() && b.is_constant() && a.constant_ == b.constant_;
   }
@@ -109,12 +110,12 @@ class Traced {
   static Traced made(LaneCode code, const Traced& a, const Traced& b);
   static Traced made(LaneCode code, const Traced& a, const Traced& b, const Traced& c);
 
-  Trace* trace_ = nullptr;  ///< none: a constant
+  Trace* trace_ = nullptr;  ///< null: a constant
   Trace::Place place_ = -1;
   double constant_ = 0;
 };
 
-/// 1 where it is set, else 0.
+/// Mask is a recorded condition: 1 where it holds, else 0.
 struct Traced::Mask {
   Traced on;
   Mask operator!() const { return {1 - on}; }
@@ -122,7 +123,7 @@ struct Traced::Mask {
 inline bool any(const Traced::Mask& mask) { return !mask.on.is_constant() || mask.on.constant() != 0; }
 inline bool all(const Traced::Mask& mask) { return mask.on.is_constant() && mask.on.constant() != 0; }
 
-/// Where a step fails is written down, too; what it makes there does not matter, so that nothing is done about it.
+/// TracedStatus records where a step fails; the step goes on, as its results then do not matter.
 struct TracedStatus {
   Traced failed = 0;
   TracedStatus(StepStatus all)  // NOLINT(google-explicit-constructor): one for all

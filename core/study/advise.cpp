@@ -33,7 +33,7 @@ std::string growth_of(const Conditioning& known) {
   return times + (known.chaotic(Norm::relative) ? " times, exponentially" : " times");
 }
 
-/// What keeps every scheme from the accuracy.
+/// obstacle says what keeps every scheme from the accuracy.
 std::string obstacle(const Contest& contest, const Search& best, double accuracy) {
   const ErrorStudy& subject = contest.subject();
   if (subject.floor() > accuracy)
@@ -49,7 +49,8 @@ Alternative alternative(const Search& search, const Probe& probe) {
   return {search.choice(probe), probe.trial.forces, probe.trial.error, probe.trial.seconds};
 }
 
-/// Of a scheme that goes by its tolerance, however it chooses the rest, the first is told, or the choice itself.
+/// tell_apart drops all but the first alternative of each scheme with a tolerance, whatever their other settings, and
+/// those of the chosen scheme.
 void tell_apart(Advice& advice, const ErrorStudy& subject) {
   std::set<std::size_t> told{advice.choice->scheme};
   std::erase_if(advice.alternatives, [&](const Alternative& other) {
@@ -62,18 +63,18 @@ void choose(Advice& advice, const Search& search, const Probe& probe) {
   advice.estimated_error = probe.trial.error;
 }
 
-/// What is said of errors, which are only known as far as the reference is, and the motion goes.
+/// tell_what_is_known says how far errors are known: only as far as the reference is, and the motion goes.
 void tell_what_is_known(Advice& advice, const ErrorStudy& subject) {
   advice.referenced = subject.known();
   advice.known = !advice.met || (subject.known() && !subject.partial());
 }
 
-/// Whether the scheme of the first run keeps what is to be kept.
+/// is_allowed tells whether the pilot's scheme conserves what is to be conserved.
 bool is_allowed(const Pilot& pilot, const std::vector<SchemeConfig>& all) {
   return pilot.choice && std::ranges::find(all, pilot.choice->scheme, &SchemeConfig::scheme) != all.end();
 }
 
-/// The run that was made before any was measured, where no other is to be had.
+/// unmeasured advises the pilot's run, made before any was measured, where there is nothing else.
 Advice unmeasured(const Request& scene, const Pilot& pilot, const std::vector<SchemeConfig>& all,
                   std::string_view why) {
   Advice advice;
@@ -98,7 +99,7 @@ Advice unmeasured(const Request& scene, const Pilot& pilot, const std::vector<Sc
   return advice;
 }
 
-/// Why there is nothing that was measured.
+/// why_unmeasured says why nothing was measured.
 std::string_view why_unmeasured(const Contest& contest, const Search* nearest) {
   if (contest.timed_out()) return "no run could be measured in the time for the search";
   return nearest ? "no run that was measured is near the motion" : "no run that was tried comes to the end";
@@ -111,7 +112,7 @@ Advice cheapest(Contest& contest, const Request& scene, const Pilot& pilot, cons
   contest.go();
   const Search* best = contest.winner();
   if (!best) {
-    constexpr double nonsense = 0.1;  // as large as the motion
+    constexpr double nonsense = 0.1;  // an error as large as the motion
     const Search* nearest = contest.runner_up();
     const double least = nearest ? nearest->best().trial.error : unknown;
     const bool measured = pilot.completed && contest.subject().known();
@@ -119,7 +120,7 @@ Advice cheapest(Contest& contest, const Request& scene, const Pilot& pilot, cons
       return unmeasured(scene, pilot, all, why_unmeasured(contest, nearest));
     choose(advice, *nearest, nearest->best());
     tell_what_is_known(advice, contest.subject());
-    if (least <= accuracy) {  // but not by the margin for what lies between the times that were looked at
+    if (least <= accuracy) {  // but without the margin for errors between the times that were compared
       advice.known = false;
       advice.reason =
           fmt::format("{} has an error of {:.1e} {}, too near {:.1e} to be sure. {}", at(*nearest, nearest->best()),
@@ -133,7 +134,7 @@ Advice cheapest(Contest& contest, const Request& scene, const Pilot& pilot, cons
     return advice;
   }
   contest.find_alternatives();
-  best = contest.winner();  // one of them may turn out to be cheaper
+  best = contest.winner();  // an alternative may turn out to be cheaper
   const Probe& probe = *best->good();
   choose(advice, *best, probe);
   advice.met = true;
@@ -157,7 +158,7 @@ Advice cheapest(Contest& contest, const Request& scene, const Pilot& pilot, cons
   return advice;
 }
 
-/// The most accurate run that takes so many seconds.
+/// best_within advises the most accurate run that takes so many seconds.
 Advice best_within(Contest& contest, const Request& scene, const Pilot& pilot, const std::vector<SchemeConfig>& all,
                    double seconds) {
   Advice advice;
@@ -171,7 +172,7 @@ Advice best_within(Contest& contest, const Request& scene, const Pilot& pilot, c
     for (Search& search : contest.searches()) {
       const double error = search.best().trial.error, ahead = seconds / finest(search);
       const double order = std::max<double>(std::max(search.declared_order(), 1), search.seen_order(12));
-      // Longer than asked for, or so far behind that its order will not make up for it.
+      // A run would take longer than asked for, or is too far behind for its order to make up for it.
       if (2 * finest(search) > seconds || (error < 1e-2 && error * std::pow(ahead, -1.5 * order) > 10 * least_error))
         search.give_up();
       if (!search.over() && (!next || finest(search) < finest(*next))) next = &search;
@@ -208,12 +209,12 @@ Advice best_within(Contest& contest, const Request& scene, const Pilot& pilot, c
   return advice;
 }
 
-/// Where differences grow exponentially until errors at the end mean nothing, whatever comes nearest there does so by
-/// chance: the time up to which this accuracy is still to be had.
+/// horizon: where differences grow exponentially until errors at the end are meaningless, agreement there is by chance.
+/// It returns the time up to which the accuracy can still be had; nothing for other motions.
 std::optional<double> horizon(const Request& scene, const Conditioning& known, double accuracy) {
   constexpr double chance = 0.1, rounding = 0x1p-53, above = 1000;
   if (!known.chaotic(scene.norm) || !(rounding * known.growth_in(scene.norm, false) > chance)) return std::nullopt;
-  // Exponentially from one eighth of the span to the next.
+  // The growth is taken as exponential from one eighth of the span to the next.
   const double most = std::log(accuracy / (above * rounding));
   double last = 0, eighths = 0;
   for (const double growth : known.so_far_in(scene.norm)) {
@@ -230,7 +231,7 @@ std::optional<double> horizon(const Request& scene, const Conditioning& known, d
   return start + (end - start) * eighths / Conditioning::parts;
 }
 
-/// The event that ended the first run, where it is one that acts.
+/// act_that_ended returns the event that ended the pilot's run, if that event acts.
 std::optional<Advice::Act> act_that_ended(const Request& scene, const Pilot& pilot) {
   const auto& names = scene.watched.list;
   for (std::size_t i = 0; i < std::min(scene.events.size(), names.size()); ++i)
@@ -240,9 +241,9 @@ std::optional<Advice::Act> act_that_ended(const Request& scene, const Pilot& pil
 
 Advice advise_up_to_acts(const Request& scene, const Wish& wish, std::optional<Advice::Act>& act,
                          const std::atomic<bool>& cancelled) {
-  constexpr double share = 0.5;   // of the time: the rest is for the run
-  constexpr double pilots = 0.5;  // of that, at most
-  constexpr double fine = 1e-6;   // far below what a motion is, far above round-off
+  constexpr double share = 0.5;   // of the time; the rest is for the run itself
+  constexpr double pilots = 0.5;  // at most, of that share, for pilots
+  constexpr double fine = 1e-6;   // far smaller than a motion, far larger than round-off
   const bool timed = std::isnan(wish.accuracy);
   const double accuracy = timed ? fine : wish.accuracy, start = scene.scene->start;
   const Deadline deadline(share * scene.limits.seconds);
@@ -257,8 +258,8 @@ Advice advise_up_to_acts(const Request& scene, const Wish& wish, std::optional<A
     return advice;
   }
   Request posed = scene;
-  posed.norm = Norm::relative;              // whatever errors are asked for: components of any unit count alike
-  for (EventAsked& event : posed.events) {  // beyond an act the motion is another
+  posed.norm = Norm::relative;              // whatever norm is asked for, components of all units shall count alike
+  for (EventAsked& event : posed.events) {  // an act changes the motion: nothing is measured beyond
     event.stop = event.stop || event.act;
     event.act.reset();
   }
@@ -267,7 +268,7 @@ Advice advise_up_to_acts(const Request& scene, const Wish& wish, std::optional<A
   act = act_that_ended(scene, pilot);
   if (!pilot.event.empty()) {
     if (!(pilot.end > start)) return unmeasured(posed, pilot, all, fmt::format("{} ends the run at once", pilot.event));
-    posed.end = pilot.end;  // beyond, the motion may be another, or none
+    posed.end = pilot.end;  // beyond it, the motion may be a different one, or undefined
   }
   constexpr double part = 0.01;  // of the scale of the motion
   const double grain = std::numeric_limits<double>::epsilon() * std::max(std::abs(start), std::abs(posed.end));
@@ -276,7 +277,7 @@ Advice advise_up_to_acts(const Request& scene, const Wish& wish, std::optional<A
         posed, pilot, all,
         fmt::format("times up to {:.4g} are rounded by more than a hundredth of the motion's scale, {:.3g}", posed.end,
                     scale));
-  constexpr double reference_cost = 8;  // of pilots, at least
+  constexpr double reference_cost = 8;  // at least, in units of a pilot's cost
   const bool hopeless = pilot.completed && reference_cost * pilot.seconds > deadline.left();
   const double half = hopeless ? deadline.left() : deadline.left() / 2;
   const auto known = conditioning(*posed.scene, posed.end,
@@ -285,7 +286,7 @@ Advice advise_up_to_acts(const Request& scene, const Wish& wish, std::optional<A
   double seconds = wish.seconds;
   if (until && timed) {
     seconds *= (*until - start) / (posed.end - start);
-    if (seconds < 1e-3) until.reset();  // the states that are asked for would be most of the time
+    if (seconds < 1e-3) until.reset();  // the requested states would take most of the time
   }
   Request measured = posed;
   if (until) measured.end = *until;

@@ -7,7 +7,7 @@
 namespace least {
 namespace {
 
-/// Between the times at which runs are held against the truth their errors may be somewhat larger.
+/// Between the times at which runs are compared with the reference, errors may be somewhat larger.
 constexpr double margin = 0.87;
 
 }  // namespace
@@ -41,7 +41,7 @@ const Search* Contest::winner() const {
 const Search* Contest::runner_up() {
   constexpr double near = 1.5;
   double least_error = 0;
-  do {  // errors at few times are not the largest
+  do {  // errors at few times may miss the largest
     least_error = std::numeric_limits<double>::infinity();
     for (const Search& search : searches_) least_error = std::fmin(least_error, search.best().trial.error);
   } while (std::ranges::any_of(searches_, [&](Search& search) {
@@ -69,7 +69,7 @@ void Contest::begin(const Pilot& pilot) {
 void Contest::find_stand_in(const Pilot& pilot) {
   constexpr double finer = 1000, share = 0.3;
   const double tolerance = subject_.dial(*pilot.choice).value(*pilot.choice) / finer;
-  // First by another scheme: where two that share nothing agree, both are right.
+  // First another scheme: where two schemes that share nothing agree, both are right.
   for (const SchemeConfig& choice : pilot.others)
     if (!subject_.has_stand_in()) subject_.let_stand_in(subject_.dial(choice).at(choice, tolerance), share * left());
   if (!subject_.has_stand_in())
@@ -77,8 +77,8 @@ void Contest::find_stand_in(const Pilot& pilot) {
 }
 
 void Contest::go() {
-  // Those that choose their steps come near the accuracy in few runs: what they cost says how far others need to go.
-  // Where it does not within half of the time, the others have their turn.
+  // Adaptive schemes come near the accuracy in few runs, and their cost limits how far the others need to go. If that
+  // takes more than half of the time, the others have their turn.
   const double half = left() / 2;
   while (!timed_out()) {
     const double most = worth();
@@ -101,7 +101,7 @@ void Contest::find_alternatives() {
   constexpr int enough = 3, most_runs = 16;
   const Search* best = winner();
   const double most = 4 * std::max(best->likely_cost(), 10.0);
-  const auto told = [&](const Search& search) {  // by itself, or by one before it
+  const auto told = [&](const Search& search) {  // by this search, or by an earlier one of the same scheme
     return std::ranges::any_of(searches_, [&](const Search& other) {
       return (&other == best || (other.good() && &other < &search)) && search.twin_of(other);
     });
@@ -121,31 +121,31 @@ void Contest::find_alternatives() {
   }
 }
 
-/// Errors below the floor mean nothing, and those of long runs end somewhat above: where the accuracy is smaller,
-/// this is about as near as anything comes.
+/// aim(): errors below the floor are meaningless, and those of long runs end somewhat above it. Where the accuracy is
+/// below the floor, this is about as accurate as runs get.
 double Contest::aim() const {
   constexpr double above = 10;
   return subject_.floor() > accuracy_ ? above * subject_.floor() : accuracy_;
 }
 
-/// Where a run has to cost less to be of interest.
+/// worth() returns the cost that a run has to stay below to be of interest.
 double Contest::worth() const {
   constexpr double less = 1.05, more = 1.1;
   if (const Search* best = winner()) return best->likely_cost() / less;
   double most = std::numeric_limits<double>::infinity();
   for (const Search& search : searches_)
     if (search.best().trial.error <= aim()) most = std::fmin(most, static_cast<double>(search.best().trial.forces));
-  return more * most;  // what is more accurate at little more cost
+  return more * most;  // includes runs that are more accurate at little more cost
 }
 
-/// A run of more has nothing to offer beside the best.
+/// useful_steps(): a longer run has no advantage over the best one.
 std::int64_t Contest::useful_steps() const {
   const Search* best = winner();
   return best ? std::min<std::int64_t>(1000 + 8 * best->good()->trial.forces, Search::most_forces)
               : Search::most_forces;
 }
 
-/// Whether one that has come to its end was better at much less cost.
+/// beaten tells whether a finished search was more accurate at much lower cost.
 bool Contest::beaten(const Search& search) const {
   return std::ranges::any_of(searches_, [&](const Search& other) {
     return other.over() && !search.over() && search.bad() && other.best().trial.error < search.bad()->trial.error &&

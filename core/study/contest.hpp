@@ -1,4 +1,4 @@
-// All candidates at once, in search of the cheapest that is accurate enough.
+// All candidate schemes at once, in search of the cheapest that is accurate enough.
 #pragma once
 
 #include <atomic>
@@ -9,12 +9,12 @@
 
 namespace least {
 
-/// Always the one whose next run is the cheapest, first among those that choose their steps, until nothing cheaper can
-/// come.
+/// Contest runs one search per candidate, always that whose next run is cheapest, adaptive schemes first, until nothing
+/// cheaper can come.
 class Contest {
  public:
-  /// accuracy 0: none is asked for. May take `seconds`, of them so many to find out about the motion. `known`: of
-  /// ErrorStudy.
+  /// accuracy 0 means that none is asked for. The contest may take `seconds`, of these `reference_seconds` for the
+  /// reference solution. `known` is passed to ErrorStudy.
   Contest(const Request& scene, std::vector<SchemeConfig> candidates, double accuracy, double seconds,
           double reference_seconds, const std::atomic<bool>& cancelled, std::shared_ptr<const Conditioning> known);
 
@@ -22,18 +22,20 @@ class Contest {
   std::vector<Search>& searches() { return searches_; }
   double left() const { return cancelled_.load(std::memory_order_relaxed) ? 0 : deadline_.left(); }
   bool timed_out() const { return !(left() > 0); }
-  /// How long one more run may take, so that there is time for others.
+  /// allowance() returns how many seconds one more run may take, so that time is left for others.
   double allowance() const;
 
-  /// Runs the choice of the pilot first. Where there is no truth, a much finer run of it stands in for that.
+  /// begin(pilot) starts with the pilot's choice. Where there is no reference solution, a much finer run of it stands
+  /// in.
   void begin(const Pilot& pilot);
   void go();
-  /// Some more that grant the wish at not much more cost.
+  /// find_alternatives() looks for further schemes that grant the wish at not much higher cost.
   void find_alternatives();
 
-  /// The search with the cheapest run that is accurate enough; null: there is none.
+  /// winner() returns the search with the cheapest run that is accurate enough; null where there is none.
   const Search* winner() const;
-  /// Where none is: the one with the smallest error, or one nearly as good that costs less; null: nothing completed.
+  /// runner_up() is for the case without a winner: the search with the smallest error, or a cheaper one that is nearly
+  /// as good; null where no run completed.
   const Search* runner_up();
 
  private:

@@ -15,7 +15,7 @@
 namespace least {
 namespace {
 
-/// A value as a request would say it.
+/// said returns a setting as a request would give it.
 std::string said(const ParameterCard& parameter, double value) {
   if (has_weights(parameter, value)) return "weights";
   if (parameter.kind == Kind::choice) return std::string(parameter.choices[static_cast<std::size_t>(value)]);
@@ -23,7 +23,7 @@ std::string said(const ParameterCard& parameter, double value) {
   return fmt::format("{}", value);
 }
 
-/// Every one of them with each of these values; those that the card has something against are left out by the caller.
+/// with_each combines every choice with every value; combinations that the card rules out are removed by the caller.
 std::vector<SchemeConfig> with_each(const std::vector<SchemeConfig>& choices, std::size_t index,
                                     const std::vector<double>& values) {
   std::vector<SchemeConfig> all;
@@ -107,12 +107,12 @@ std::vector<SchemeConfig> candidates_by(SettingsOf&& settings_of, const Mechanic
         if (card.orders[static_cast<std::size_t>(c)].second > card.orders.front().second) useful.push_back(index(c));
       variants = with_each(variants, *composition, useful);
     }
-    // The order that a tolerance calls for is that of a typical motion: another may be cheaper by a tenth.
+    // A tolerance chooses the order that suits a typical motion: another order may be cheaper by a tenth.
     if (const auto order = card.find("order"); order && card.find("tolerance"))
       variants = with_each(variants, *order, {0, 12, 16, 20});
     if (const auto splitting = card.find("splitting")) {
       const auto& choices = card.parameters[*splitting].choices;
-      for (std::size_t i = 0; i < choices.size(); ++i)  // of those that have an order of their own
+      for (std::size_t i = 0; i < choices.size(); ++i)  // splittings with an order of their own
         if (std::ranges::count(card.orders, choices[i], [](const auto& entry) { return entry.first; }) > 0)
           variants.push_back(with_each({plain}, *splitting, {static_cast<double>(i)}).front());
     }
@@ -141,10 +141,10 @@ ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const 
   const auto keep_going = [&] { return deadline.left() > 0 && !cancelled.load(std::memory_order_relaxed); };
   if (!conditioning_) conditioning_ = least::conditioning(*scene_.scene, scene_.end, keep_going);
   if (conditioning_->ends) scene_.end = conditioning_->reached;
-  if (!at_end || scene_.norm == Norm::relative) {  // which asks for the sizes along the whole motion
-    constexpr int count = 256;                     // of long runs errors have a peak in every turn
+  if (!at_end || scene_.norm == Norm::relative) {  // the relative norm needs component sizes along the whole motion
+    constexpr int count = 256;                     // in long runs errors peak in every revolution
     const double span = scene_.end - scene_.scene->start;
-    times_ = conditioning_->pace_in(scene_.norm);  // or a fast passage would not be seen
+    times_ = conditioning_->pace_in(scene_.norm);  // otherwise a fast passage would be missed
     for (int k = 1; k < count; ++k) times_.push_back(scene_.scene->start + span * k / count);
     std::ranges::sort(times_);
     const auto near = [&](double a, double b) { return b - a < 1e-9 * span; };
@@ -180,12 +180,13 @@ double ErrorStudy::longest(const SchemeConfig& choice, const ResolutionParameter
   if (dial.adaptive()) return dial.range.high;
   const double span = scene_.end - scene_.scene->start;
   if (!card(choice).own_clock) {
-    constexpr double far = 1000;  // times the scale of the motion: no state so far apart says anything of the next
+    // in units of the motion's time scale: states so far apart have nothing to do with each other
+    constexpr double far = 1000;
     const double scale = scene_.scene->mechanics->scales(*scene_.scene).time;
     return std::min({span, dial.range.high, scale > 0 ? far * scale : span});
   }
   double value = dial.value(choice);
-  for (int k = 0; k < 40; ++k, value /= 4) {  // where the first step fails, a shorter one may not
+  for (int k = 0; k < 40; ++k, value /= 4) {  // where the first step fails, a shorter one may succeed
     const double left = deadline_ ? deadline_->left() : 1;
     if (!(left > 0) || cancelled_.load(std::memory_order_relaxed)) break;
     Request one = request(dial.at(choice, value), std::min(left, 1.0), 1);
@@ -237,8 +238,8 @@ std::vector<double> ErrorStudy::sizes_along(const States& states) const {
   return sizes.divisors();
 }
 
-/// From the last of the times up to which it is small, as differences of the start grow from there to the end; NaN: it
-/// never is.
+/// foreseen_error extrapolates from the last time at which the error is small, by the growth of differences from there
+/// to the end; NaN where the error is never small.
 double ErrorStudy::foreseen_error(const std::vector<double>& times, const States& states, const States& truth) const {
   constexpr double small = 0.03, parts = Conditioning::parts;
   const auto log_growth = [&](double eighths) {

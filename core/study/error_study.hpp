@@ -1,4 +1,4 @@
-// A scene under study: what is known of its motion, and runs measured against that.
+// A scene under study: what is known of its motion, and runs measured against it.
 #pragma once
 
 #include <algorithm>
@@ -9,30 +9,31 @@
 
 namespace least {
 
-/// The setting that decides how fine a scheme is, from coarse to fine.
+/// ResolutionParameter is the setting that controls how fine a scheme is (the "dial"), from coarse (large) to fine.
 struct ResolutionParameter {
   std::string_view name;                 ///< step | sigma | theta | tolerance
   std::size_t index = 0;                 ///< among the scheme's parameters
-  std::optional<std::size_t> companion;  ///< scaled with it: the step in time of a scheme with θ
+  std::optional<std::size_t> companion;  ///< a setting that is scaled along with it: the time step of a scheme with θ
   Range range{0, 0};
 
   explicit ResolutionParameter(const SchemeCard& card);
   bool adaptive() const { return name == "tolerance"; }
   double value(const SchemeConfig& choice) const { return choice.settings[index]; }
-  /// The choice at another value, brought into its range.
+  /// at(choice, value) returns the choice with the dial at `value`, clamped to its range.
   SchemeConfig at(const SchemeConfig& choice, double value) const;
 };
 
-/// The order that the card declares for these settings; 0 where the dial is a tolerance.
+/// declared_order returns the order that the card declares for these settings; 0 where the dial is a tolerance.
 int declared_order(const SchemeCard& card, const SchemeConfig& choice);
 
-/// Every scheme that applies, as it is suggested for the scene: with none and some compositions, with the
-/// splittings that have an order of their own, and where it chooses its order by the tolerance with some others.
+/// suggested_candidates returns every applicable scheme with the settings suggested for the scene: without and with
+/// some compositions, with each splitting that has an order of its own, and with some fixed orders where the tolerance
+/// would choose the order.
 std::vector<SchemeConfig> suggested_candidates(const Scene& scene, const Keep& keep);
-/// The same as the catalogue suggests it for the problem.
+/// catalogue_candidates does the same with the settings that the catalogue suggests for the problem.
 std::vector<SchemeConfig> catalogue_candidates(const Mechanics& mechanics, const Keep& keep);
 
-/// A time that is not to be exceeded.
+/// Deadline is a limit of time that starts when it is made.
 class Deadline {
  public:
   explicit Deadline(double seconds) : seconds_(seconds) {}
@@ -43,53 +44,57 @@ class Deadline {
   double start_ = read_clock(), seconds_;
 };
 
-/// What one run said.
+/// Trial is the result of one run.
 struct Trial {
   ReturnCode status = ReturnCode::completed;
   double error = std::numeric_limits<double>::quiet_NaN();  ///< NaN where the run did not complete
   std::int64_t forces = 0;
   double seconds = 0;
-  bool foreseen = false;  ///< the error has grown until it means nothing: what it would be, were it still small
+  /// the error grew beyond meaning; `error` is extrapolated from the times when it was still small
+  bool foreseen = false;
 };
 
+/// ErrorStudy measures the errors of runs of one scene.
 class ErrorStudy {
  public:
-  /// Finds out about the motion: that may take `seconds`, and ends where `cancelled` says so. `known`: what was already
-  /// found out about how differences grow along it; may be null.
+  /// The constructor finds the reference solution and the growth of small differences; that may take `seconds`, and
+  /// ends once `cancelled` is set. `known` is the growth if it was found before; may be null.
   ErrorStudy(const Request& scene, bool at_end, double seconds, const std::atomic<bool>& cancelled,
              std::shared_ptr<const Conditioning> known = nullptr);
 
-  /// Whether there is a truth to measure against. Where there is none, runs are held against their like of half the
-  /// step, or against what stands in for it.
+  /// known() tells whether there is a reference solution. Where there is none, runs are compared with runs of half the
+  /// step, or with a stand-in.
   bool known() const { return truth_->complete; }
-  /// Where there is no truth: a run of this choice stands in for it, if it comes to the end in so many seconds.
+  /// let_stand_in uses a run of this choice instead of the reference, if it reaches the end within so many seconds.
   void let_stand_in(const SchemeConfig& choice, double seconds);
   bool has_stand_in() const { return !stand_in_.empty(); }
   const SchemeCard& card(const SchemeConfig& choice) const { return scene_.scene->mechanics->schemes()[choice.scheme]; }
   ResolutionParameter dial(const SchemeConfig& choice) const { return ResolutionParameter(card(choice)); }
   const Truth& truth() const { return *truth_; }
   const Conditioning& conditioning() const { return *conditioning_; }
-  /// Whether the motion is known to end before the scene does, so that errors are measured over a part of it only. One
-  /// that leaves its domain has no other part.
+  /// partial() tells whether the motion ends before the scene does, so that errors are measured over a part of the span
+  /// only. A motion that leaves its domain does not count: there is no other part of it.
   bool partial() const { return conditioning_->ends && !conditioning_->leaves; }
-  /// Errors below mean nothing.
+  /// floor() returns the error below which errors are meaningless, from conditioning and from the reference's
+  /// uncertainty.
   double floor() const;
-  /// Errors below that no longer fall are round-off: above, they may fall again.
+  /// plateau(): errors below it that do not fall any more are round-off; errors above may fall again.
   double plateau() const { return conditioning_->chaotic(scene_.norm) ? 1 : std::max(1e-3, 100 * floor()); }
   double start() const { return scene_.scene->start; }
   double end() const { return scene_.end; }
   bool ends_early() const { return conditioning_->ends; }
 
-  /// What is looked for ends with this, which outlives it.
+  /// end_with sets a deadline for searches; it must outlive the ErrorStudy.
   void end_with(const Deadline& deadline) { deadline_ = &deadline; }
-  /// The dial's value at which a run takes about one step.
+  /// longest returns the value of the dial at which a run takes about one step.
   double longest(const SchemeConfig& choice, const ResolutionParameter& dial) const;
-  /// A run, at most so many seconds and steps long.
+  /// run makes a run of at most so many seconds and steps, and measures its error.
   Trial run(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
-  /// The same of a search: of what is not accurate enough, which is only a probe, the error is that at some of the
-  /// times, above the plateau at few of them: states between steps are most of what a run of few long steps costs.
+  /// look does the same for a search. A run that misses the accuracy is only a probe, and its error is taken at some of
+  /// the times only, at few of them above the plateau: interpolated states are most of the cost of a run with few long
+  /// steps.
   Trial look(const SchemeConfig& choice, double seconds, std::int64_t step_limit, double accuracy) const;
-  /// The smallest time of runs that keep nothing: of three, or as many as take two milliseconds.
+  /// time returns the smallest time of runs that record nothing: of three, or of as many as take two milliseconds.
   double time(const SchemeConfig& choice, double seconds, std::int64_t step_limit) const;
 
  private:
@@ -101,17 +106,17 @@ class ErrorStudy {
   Trial run(Request measured, const std::vector<double>& times, States& states) const;
   double error(const States& states, const States& truth, std::span<const double> sizes) const;
   std::span<const double> known_sizes() const { return truth_->sizes_in(scene_.norm); }
-  /// Of a motion that only a run is known of.
+  /// The component sizes along a motion that is known from a run only.
   std::vector<double> sizes_along(const States& states) const;
 
-  Request scene_;  ///< up to where the motion goes
+  Request scene_;  ///< ends where the motion ends
   bool at_end_;
   const std::atomic<bool>& cancelled_;
   const Deadline* deadline_ = nullptr;
   std::shared_ptr<const Conditioning> conditioning_;
   std::vector<double> times_;
   std::shared_ptr<const Truth> truth_;
-  States stand_in_;  ///< at the same times
+  States stand_in_;  ///< states at times_
 };
 
 }  // namespace least

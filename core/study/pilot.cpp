@@ -21,7 +21,7 @@ Pilot Pilot::run(const Request& scene, std::span<const SchemeConfig> candidates,
     request.events.clear();
     request.section.reset();
   }
-  constexpr double finer = 30;  // errors of a motion are a few tolerances of its steps
+  constexpr double finer = 30;  // the error of a motion is a few tolerances of its steps
   Pilot best;
   const Deadline deadline(seconds);
   for (const std::string_view id : {"taylor", "dormand_prince_5"}) {

@@ -1,4 +1,4 @@
-// The first run of a search for a scheme: one near the accuracy by a scheme that suits most motions.
+// The first run of a search for a scheme: near the accuracy, by a scheme that suits most motions.
 #pragma once
 
 #include <atomic>
@@ -11,17 +11,17 @@
 
 namespace least {
 
-/// What it took bounds what others are worth, where an event of the caller's ends it nothing is to be measured beyond,
-/// and where nothing better is found in time it is the choice.
+/// Pilot is that run. Its cost bounds which other runs are worthwhile; if a stopping event ended it, nothing is
+/// measured beyond; and it is the choice if nothing better is found in time.
 struct Pilot {
-  std::optional<SchemeConfig> choice;  ///< none of the candidates sets its own steps: there was no such run
-  double end = 0;                      ///< the time it came to
-  std::string event;                   ///< the stopping event that ended it; empty: none did
-  bool completed = false;              ///< it came to that event, or to the end
+  std::optional<SchemeConfig> choice;  ///< none where no candidate is adaptive, and so no run was made
+  double end = 0;                      ///< the time that it reached
+  std::string event;                   ///< the stopping event that ended it; empty where none did
+  bool completed = false;              ///< it reached that event, or the end
   double seconds = 0;                  ///< that it took
-  std::vector<SchemeConfig> others;    ///< of other schemes that set their own steps by a tolerance
+  std::vector<SchemeConfig> others;    ///< further adaptive candidates of other schemes
 
-  /// By the Taylor series; where that stops short, by Dormand–Prince 5(4), which gets past places without a series.
+  /// run(…) uses the Taylor series; where that stops early, Dormand–Prince 5(4), which passes places without a series.
   static Pilot run(const Request& scene, std::span<const SchemeConfig> candidates, double accuracy, double seconds,
                    const std::atomic<bool>& cancelled);
 };

@@ -7,12 +7,13 @@
 namespace least {
 namespace {
 
-/// The order between two runs, the first the coarser.
+/// order returns the observed order between two runs, the first the coarser.
 double order(const Probe& coarse, const Probe& fine) {
   return std::log(coarse.trial.error / fine.trial.error) / std::log(coarse.value / fine.value);
 }
 
-/// Whether finer runs will follow from it: of coarse ones errors are as large as the motion, whatever the step.
+/// tells: whether the error predicts that of finer runs. Very coarse runs have errors as large as the motion, whatever
+/// the step.
 bool tells(const Trial& trial) { return trial.error < 0.3 || trial.foreseen; }
 
 }  // namespace
@@ -48,9 +49,9 @@ double Search::likely_cost() const {
 }
 
 bool Search::out_of_reach(double error, double most) const {
-  constexpr double steepest = 2, more = 12;  // times the order: near a change of their sign errors fall far faster
+  constexpr double steepest = 2, more = 12;  // times the declared order: near a change of sign errors fall far faster
   const int declared = declared_order();
-  // Where a coarse run is unstable the error of a finer one falls as fast as it likes.
+  // Where a coarse run is unstable, errors of finer runs may fall at any rate.
   if (declared == 0 || good_ || !bad_ || !tells(bad_->trial) || std::isinf(most)) return false;
   return std::log(bad_->trial.error / error) > (steepest * declared + more) * std::log(most / least_cost());
 }
@@ -59,7 +60,8 @@ double Search::next() const {
   constexpr double aim = 0.9;
   if (!bad_) {
     if (!good_) return longest();
-    // The first run was accurate enough: back to where errors in proportion to the dial predict the accuracy.
+    // The first run was accurate enough: coarsen by the factor that would give the accuracy if errors were proportional
+    // to the dial.
     constexpr double least = 2, most = 100;
     const double ahead = good_->trial.error > 0 ? aim * accuracy_ / good_->trial.error : most;
     return std::min(good_->value * std::clamp(ahead, least, most), longest());
@@ -81,7 +83,7 @@ double Search::next() const {
 }
 
 bool Search::is_new(double value) const {
-  constexpr double least_change = 1e-3;  // rounding makes values that are meant to differ the same
+  constexpr double least_change = 1e-3;  // values that ought to be equal may differ by rounding
   return (!bad_ || value < (1 - least_change) * bad_->value) && (!good_ || value > (1 + least_change) * good_->value);
 }
 
@@ -94,10 +96,10 @@ void Search::advance(double seconds, std::int64_t step_limit, double most) {
 }
 
 void Search::run_at(double value, double seconds, std::int64_t step_limit) {
-  constexpr int fewest = 6;  // force evaluations of a step of schemes that choose its length
+  constexpr int fewest = 6;  // force evaluations per step of an adaptive scheme
   if (dial_.adaptive()) step_limit /= fewest;
   const SchemeConfig choice = dial_.at(choice_, value);
-  // The best within a time has no accuracy that others could miss.
+  // A search for the best run within a time has no accuracy to miss.
   const Trial trial =
       accuracy_ > 0 ? subject_.look(choice, seconds, step_limit, accuracy_) : subject_.run(choice, seconds, step_limit);
   if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return give_up();
@@ -125,14 +127,14 @@ void Search::settle(const Probe& probe) {
     good_ = probe;
   } else {
     const double last = bad_ ? bad_->trial.error : std::numeric_limits<double>::infinity();
-    // Of a step as long as the run a finer tolerance may make the same run.
+    // If a single step spans the whole run, a finer tolerance may give the same run.
     const bool same = bad_ && trial.error == last && trial.forces == bad_->trial.forces;
     if (!good_ && !same) flat_ = trial.error > 0.9 * last && trial.error < subject_.plateau() ? flat_ + 1 : 0;
     if (bad_) before_ = bad_;
     bad_ = probe;
   }
   if (good_) {
-    const double near = dial_.adaptive() ? 1.4 : 1.05;  // the cost follows a low power of a tolerance
+    const double near = dial_.adaptive() ? 1.4 : 1.05;  // for tolerances, the cost follows a low power of the dial
     over_ = !(good_->value < longest()) || (bad_ && bad_->value < near * good_->value) ||
             good_->trial.error > accuracy_ / 1.2;
     return;

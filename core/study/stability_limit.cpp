@@ -13,8 +13,8 @@
 namespace least {
 namespace {
 
-/// What a run comes to, by halves of its span: looks at every state as it comes, a row being t, the variables and,
-/// where one is kept, the energy.
+/// RangesByHalf records what a run reaches in each half of its span. Rows are t, the variables and, where one is
+/// conserved, the energy.
 class RangesByHalf final : public RowSink {
  public:
   RangesByHalf(std::size_t variables, bool energy, double middle)
@@ -46,7 +46,7 @@ class RangesByHalf final : public RowSink {
   double middle_;
 };
 
-/// Long runs at constant steps.
+/// LongRun makes long runs at constant steps.
 class LongRun {
  public:
   LongRun(const Request& scene, const SchemeConfig& scheme, const std::atomic<bool>& cancelled)
@@ -67,13 +67,13 @@ class LongRun {
   const Conditioning& motion() const { return *motion_; }
   double span() const { return request_.end - start(); }
 
-  /// How a run of steps h fails; empty: it does not.
+  /// failure returns how a run with steps h fails; empty where it does not.
   std::string_view failure(std::size_t setting, double h) {
     constexpr std::int64_t least_steps = 2000;
     Request request = request_;
     request.settings[setting] = h;
     request.steps = static_cast<std::int64_t>(std::min(std::ceil(span() / h), 1e5));
-    // Where the motion ends, or runs away, no further than what is known of it.
+    // If the motion ends, or runs away, the run goes no further than the motion is known.
     request.until_steps = !motion_->ends && !(runs_away() && keeps_energy());
     if (request.until_steps) request.steps = std::max(request.steps, least_steps);
     const Tried tried = run(request, h);
@@ -94,7 +94,7 @@ class LongRun {
   }
   double start() const { return request_.scene->start; }
   bool keeps_energy() const { return motion_->energy > 0; }
-  /// The motion grows, and not in proportion to the time as an angle that turns.
+  /// runs_away(): the motion grows, and faster than in proportion to time as a rotating angle does.
   bool runs_away() const { return motion_->size > 2.5 * motion_->size_halfway; }
 
   Tried run(Request& request, double h) const {
@@ -136,9 +136,8 @@ class LongRun {
     }
   }
 
-  /// The same of a run that fails, where the true motion may grow as well: parametric resonance, damping of the other
-  /// sign, a limit cycle that is far from the start. The run goes no further than to where the numbers would be too
-  /// large.
+  /// failure_beyond_the_motion judges a failing run where the true motion may grow as well: parametric resonance,
+  /// negative damping, a limit cycle far from the start. The run is shortened so that numbers do not become too large.
   std::string_view failure_beyond_the_motion(Request& request, double h, const Tried& tried) {
     constexpr double most_growth = 1e30;
     const double end = tried.middle + (tried.middle - start());
@@ -152,32 +151,33 @@ class LongRun {
   }
   double first_part() const { return start() + span() / 2; }
 
-  static constexpr double far = 1000;      // times the size of the motion
-  static constexpr double small = 1e-3;    // excursions below are none
-  static constexpr double steadily = 2.0;  // how many times the first half's the second half's may be
+  static constexpr double far = 1000;      // in units of the motion's size
+  static constexpr double small = 1e-3;    // smaller excursions do not count
+  static constexpr double steadily = 2.0;  // allowed ratio of the second half to the first
 
   static bool apart(double first, double second, double times = steadily) {
     return !(second <= times * first) && !(first < small && second < small);
   }
 
-  /// How far the motion has come in so many spans.
+  /// size_after returns how far the motion goes in so many spans.
   double size_after(double spans) const {
     const double size = std::max(motion_->size, 1e-300);
     return motion_->travels() ? std::max(motion_->size_halfway, spans * size) : size;
   }
-  /// Whether the second half of a run goes far beyond its first, or the whole far beyond the motion.
+  /// grows tells whether the second half of a run goes far beyond the first, or the whole far beyond the motion.
   bool grows(const Tried& run) const {
     const auto& [first, second] = run.seen.halves;
     const double spans = (run.outcome.t - start()) / span();
     const double before = first.size / size_after(spans / 2), after = second.size / size_after(spans);
     if (!(before < far && after < far)) return true;
     if (!keeps_energy()) return apart(before, after);
-    // Of a motion that gathers speed all the way, the energies of the first half are smaller ones.
+    // Where a motion accelerates throughout, energies of the first half are smaller: each half is compared with its own
+    // scale.
     return apart(first.range() / (halfway_ ? halfway_->energy : motion_->energy), second.range() / motion_->energy);
   }
-  /// The same where the true motion grows. A step changes the rate of a growth a little, as it changes a frequency,
-  /// which adds up to any factor in the end: it is held to be the step's own growth where its rate is more than one and
-  /// a half times that of the motion.
+  /// outgrows_the_motion is the same test where the true motion grows. A step changes a growth rate slightly, as it
+  /// changes a frequency, and over time this can add up to any factor. The growth is attributed to the step where its
+  /// rate exceeds one and a half times that of the motion.
   bool outgrows_the_motion(const Tried& run) {
     const auto allowed = [](double growth) { return growth * std::max(1.0, std::sqrt(growth / 2)); };
     const auto& [first, second] = run.seen.halves;
@@ -186,7 +186,7 @@ class LongRun {
                  after = std::max(growth_->size(run.middle + (run.middle - start())), before);
     if (!(first.size < far * size * allowed(before / size) && second.size < far * size * allowed(after / size)))
       return true;
-    constexpr double moderately = 30;  // a motion that grows no more than that is no excuse for one that flies away
+    constexpr double moderately = 30;  // a motion that grows by less does not excuse a run that flies away
     const double spans = (run.outcome.t - start()) / span();
     if (after < moderately * motion_->size && !(std::max(first.size, second.size) < far * size_after(spans)))
       return true;
@@ -196,16 +196,16 @@ class LongRun {
   Request request_;
   const std::atomic<bool>& cancelled_;
   std::shared_ptr<const Conditioning> motion_, halfway_;
-  std::optional<TrueGrowth> growth_;  ///< of what keeps no energy, and does not end
+  std::optional<TrueGrowth> growth_;  ///< only where no energy is conserved and the motion does not end
 };
 
-/// The search for the first step that fails, from below.
+/// FirstFailure searches for the first step that fails, from below.
 class FirstFailure {
  public:
   FirstFailure(LongRun& run, std::size_t setting, double most, const std::atomic<bool>& cancelled)
       : run_(run), setting_(setting), most_(most), cancelled_(cancelled) {}
 
-  /// `also`: a step to be looked at beside those of a grid; NaN: none.
+  /// `also` is a step to be tried besides those of a grid; NaN for none.
   void search(double also) {
     constexpr int halvings = 10;
     std::vector<double> grid;
@@ -214,7 +214,7 @@ class FirstFailure {
     for (const double h : grid)
       if (!holds(h)) break;
     if (failure.empty()) return;
-    // Where the motion is not linear steps that fail are scattered: below the first that was found there may be others.
+    // In nonlinear motions failing steps are scattered: there may be others below the first one found.
     constexpr int rounds = 40;
     for (int round = 0; round < rounds && !cancelled_.load(std::memory_order_relaxed); ++round) {
       bisect();
@@ -227,7 +227,7 @@ class FirstFailure {
   double stable() const { return stable_.empty() ? 0 : stable_.back(); }
   double failing() const { return failing_; }
 
-  std::string_view failure;  ///< empty: none was found
+  std::string_view failure;  ///< empty where none was found
 
  private:
   bool holds(double h) {
@@ -251,11 +251,11 @@ class FirstFailure {
   LongRun& run_;
   std::size_t setting_;
   double most_, failing_ = 0;
-  std::vector<double> stable_;  ///< found stable, increasing, all below what fails
+  std::vector<double> stable_;  ///< stable steps, ascending, all below the failing one
   const std::atomic<bool>& cancelled_;
 };
 
-/// Whether a step up to `most` fails, looked for from the longest one.
+/// any_fails tells whether a step up to `most` fails, beginning with the longest.
 bool any_fails(LongRun& run, std::size_t setting, double most, const std::atomic<bool>& cancelled) {
   constexpr int halvings = 10;
   for (int k = 0; k <= halvings && !cancelled.load(std::memory_order_relaxed); ++k)
@@ -279,7 +279,7 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
   const Conditioning& motion = run.motion();
   const double most = std::min(run.span(), dial.range.high);
   if (motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0) {
-    // By linear theory it grows at every step, but not on a motion that has nothing to grow: a free one, or rest.
+    // By linear theory every step grows, but not if the motion has nothing to grow, as a free motion or rest.
     if (any_fails(run, dial.index, most, cancelled)) {
       limit.step = limit.theory = 0;
       limit.failure = "energy_growth";
@@ -288,7 +288,8 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
     }
     return limit;
   }
-  // Linear theory, where the motion has one frequency, that of its small oscillations, and one damping.
+  // Linear theory applies where the motion has a single frequency, that of its small oscillations, and a single
+  // damping.
   double gap = unknown;
   if (motion.damping >= 0 && motion.fastest > 0 && motion.fastest - motion.slowest <= 1e-12 * motion.fastest) {
     const StableSteps steps = stable_steps(scheme.scheme, scheme.settings, motion.fastest, motion.damping, most);

@@ -8,7 +8,7 @@
 namespace least {
 namespace {
 
-/// Rows are t and the variables; keeps the largest |x_i| so far at each time.
+/// Sizes records, at each time, the largest |x_i| so far. Rows are t and the variables.
 class Sizes final : public RowSink {
  public:
   Sizes(std::size_t variables, std::vector<double>& times, std::vector<double>& sizes)
@@ -30,7 +30,7 @@ class Sizes final : public RowSink {
   std::vector<double>&times_, &sizes_;
 };
 
-/// The position of a scheme that sets its own steps by a tolerance, and that takes the scene.
+/// accurate_scheme returns the index of an adaptive scheme that applies to the scene.
 std::optional<std::size_t> accurate_scheme(const Mechanics& mechanics) {
   const auto& fitting = mechanics.card().schemes;
   for (const char* id : {"taylor", "dormand_prince_5"})
@@ -63,7 +63,7 @@ TrueGrowth::TrueGrowth(const Request& scene, std::size_t variables, const std::a
 
 void TrueGrowth::follow(double end) {
   if (!goes_on_ || !(end > known_until_)) return;
-  // From the start again: each time at least twice as far, so that all of them together cost twice the last.
+  // Runs begin at the start again, each at least twice as long, so that all together cost at most twice the last.
   const double start = request_.scene->start;
   request_.end = std::max(end, start + 2 * (known_until_ - start));
   times_.clear();

@@ -1,5 +1,5 @@
-// How large the true motion of a scene becomes with time, by a fine run of a scheme that chooses its own steps: what a
-// run may grow by is what the motion grows by.
+// How large the true motion of a scene becomes with time, from a fine run of an adaptive scheme: a run may grow as much
+// as the motion does.
 #pragma once
 
 #include <atomic>
@@ -10,15 +10,16 @@
 
 namespace least {
 
+/// TrueGrowth answers such questions and extends its run as needed.
 class TrueGrowth {
  public:
-  /// Of a scene whose motion has so many variables; runs no sooner than it is asked.
+  /// `variables` is the number of variables of the motion. Nothing is run before the first question.
   TrueGrowth(const Request& scene, std::size_t variables, const std::atomic<bool>& cancelled);
 
-  /// The largest |x_i| from the start up to the time t. Beyond what can be known it is what it was before.
+  /// size(t) returns the largest |x_i| from the start up to t. Where the motion cannot be known, the last known value.
   double size(double t);
-  /// The first time at which the motion is `times` as large as it was up to the time `first`, if that is before `end`;
-  /// else `end`.
+  /// time_of_growth returns the first time, at most `end`, at which the motion is `times` as large as up to the time
+  /// `first`; else `end`.
   double time_of_growth(double times, double first, double end);
 
  private:
@@ -28,7 +29,7 @@ class TrueGrowth {
   const std::atomic<bool>& cancelled_;
   double known_until_;
   bool goes_on_ = true;
-  std::vector<double> times_, sizes_;  ///< the sizes do not decrease
+  std::vector<double> times_, sizes_;  ///< sizes_ is non-decreasing
 };
 
 }  // namespace least

@@ -1,4 +1,4 @@
-// Truths and conditionings, kept for the next question about the same motion.
+// Caches of reference solutions and conditionings, for the next question about the same motion.
 #include <algorithm>
 #include <list>
 #include <mutex>
@@ -11,14 +11,14 @@
 namespace least {
 namespace {
 
-/// What stands for a question: the content of the scene and the bits of the times.
+/// question returns the cache key: the content of the scene and the bits of the times.
 std::string question(const Scene& scene, std::span<const double> times) {
   std::string key = scene.key();
   key.append(reinterpret_cast<const char*>(times.data()), times.size_bytes());
   return key;
 }
 
-/// The answers used last. Thread-safe.
+/// Cache keeps the answers used last. Thread-safe.
 template <class Answer>
 class Cache {
  public:
@@ -54,7 +54,7 @@ class Cache {
   std::list<Entry> entries_;
 };
 
-/// The answer to a question, from the cache or by compute(keep_going); one that was given up is not kept.
+/// answer returns the cached answer, or compute(keep_going); an answer that was given up is not cached.
 template <class Answer, class Compute>
 std::shared_ptr<const Answer> answer(Cache<Answer>& cache, std::string key, const KeepGoing& keep_going,
                                      Compute&& compute) {

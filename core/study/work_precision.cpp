@@ -8,12 +8,12 @@
 namespace least {
 namespace {
 
-/// By which power of the setting the error fell from one run to the next.
+/// slope returns the observed order between two runs.
 double slope(const StudyPoint& coarse, const StudyPoint& fine) {
   return std::log(coarse.error / fine.error) / std::log(coarse.value / fine.value);
 }
 
-/// The runs of one scheme, from coarse to fine.
+/// Ladder makes the runs of one scheme, from coarse to fine.
 class Ladder {
  public:
   Ladder(const ErrorStudy& subject, const StudyPlan& plan, StudyCurve& curve)
@@ -24,15 +24,15 @@ class Ladder {
 
   bool over() const { return over_; }
   double next() const { return value_; }
-  /// What the next run will cost, about.
+  /// cost() estimates the cost of the next run.
   double cost() const { return cost_; }
 
-  /// One run. True where the curve has a new point.
+  /// climb makes one run. True where the curve has got a new point.
   bool climb(double seconds) {
     const Trial trial = subject_.run(dial_.at(curve_.scheme, value_), seconds, plan_.most_forces);
     if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return false;  // to be run again
     const SchemeConfig choice = dial_.at(curve_.scheme, value_);
-    const auto step = subject_.card(choice).find("step");  // which a setting that it goes along with moves, too
+    const auto step = subject_.card(choice).find("step");  // which the dial's companion may be
     StudyPoint point{value_,        step ? choice.settings[*step] : std::numeric_limits<double>::quiet_NaN(),
                      trial.error,   trial.forces,
                      trial.seconds, trial.status};
@@ -52,7 +52,7 @@ class Ladder {
     return begun_;
   }
 
-  /// Nothing more will come.
+  /// close() is called when no more runs will come.
   void close() {
     if (!begun_ && before_) curve_.points.push_back(*before_);
     fit();
@@ -61,7 +61,7 @@ class Ladder {
  private:
   void move_on(const Trial& trial) {
     const double finer = dial_.adaptive() ? std::sqrt(10.0) : 1.5;
-    // One that ended early says little of what a whole one costs.
+    // A run that ended early says little about the cost of a complete one.
     const bool whole = trial.status == ReturnCode::completed;
     const double growth = !whole ? 1 : dial_.adaptive() ? 1.3 : finer;
     cost_ = std::max(cost_, static_cast<double>(trial.forces) * growth);
@@ -74,8 +74,8 @@ class Ladder {
     over_ = at_floor || dear || value_ < std::max(dial_.range.low, 1e-12 * longest_);
   }
 
-  /// The power that the error follows on the finest stretch where it follows one: two decades, or all there is, between
-  /// round-off and 1e-2, of three points at least, on which the power from run to run hardly changes.
+  /// fit() finds the observed order on the finest range where the error follows a power law: two decades, or all there
+  /// is between round-off and 1e-2, with at least three points and nearly constant order from run to run.
   void fit() {
     if (dial_.adaptive()) {
       curve_.why = "adaptive: no order is declared";
@@ -114,7 +114,7 @@ class Ladder {
   StudyCurve& curve_;
   ResolutionParameter dial_;
   double value_, longest_, cost_ = 0, last_ = std::numeric_limits<double>::infinity();
-  std::optional<StudyPoint> before_;  ///< the last run before the first that means something
+  std::optional<StudyPoint> before_;  ///< the last run before the curve begins
   int flat_ = 0;
   bool begun_ = false, over_ = false;
 };
@@ -125,7 +125,7 @@ std::vector<ParetoPoint> pareto_front(const std::vector<StudyCurve>& curves) {
     for (std::size_t k = 0; k < curves[c].points.size(); ++k)
       if (std::isfinite(curves[c].points[k].error)) all.push_back({c, k});
   const auto point = [&](const ParetoPoint& p) -> const StudyPoint& { return curves[p.curve].points[p.point]; };
-  /// Marks those whose error is below that of all that cost less.
+  /// mark flags the points whose error is below that of all cheaper ones.
   const auto mark = [&](auto cost, bool ParetoPoint::*flag) {
     std::ranges::stable_sort(all, {}, [&](const ParetoPoint& p) { return std::pair(cost(point(p)), point(p).error); });
     double least_error = std::numeric_limits<double>::infinity();
@@ -166,7 +166,7 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
             : fmt::format("everything: the reference solution was not finished within {} s, or is not finite",
                           plan.budget_seconds));
     for (StudyCurve& curve : study.curves) curve.why = "there is no reference solution";
-    // Where none can be made nothing was stopped: what there is to say has been said.
+    // Where no reference can be made, nothing was interrupted: the reasons have been given already.
     if (missing.empty()) study.stop = deadline.left() > 0 ? ReturnCode::not_finite : ReturnCode::deadline;
     return study;
   }

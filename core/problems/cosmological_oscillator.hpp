@@ -1,4 +1,4 @@
-// An oscillator that feels the expansion of its universe, H = p²/2 + γ s²/2 + q²/2 − R: the friction is γ s.
+// An oscillator in an expanding universe, H = p²/2 + γ s²/2 + q²/2 − R: the friction coefficient is γ s.
 #pragma once
 
 #include <tuple>

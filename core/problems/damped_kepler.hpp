@@ -19,7 +19,7 @@ struct DampedKepler {
   constexpr T potential(const Vec<2, T>& q, const S&) const {
     using least::sqrt;
     const T r2 = dot(q, q), r = sqrt(r2);
-    return -(mu * (1.0 / r2)) * r;  // a division that does not wait for the root
+    return -(mu * (1.0 / r2)) * r;  // this division does not wait for the root
   }
   template <class T, class S>
   constexpr Vec<2, T> gradient(const Vec<2, T>& q, const S&) const {
@@ -28,9 +28,9 @@ struct DampedKepler {
   }
   constexpr R damping() const { return alpha; }
   constexpr R gravitational_parameter() const { return mu; }
-  /// A periapsis passage loses accuracy long before it loses stability: ωh from which a run warns.
+  /// Steps with ωh above this value cause a warning: periapsis passages lose accuracy long before stability.
   static constexpr double careful_step = 0.3;
-  /// μ/r³, the square of the angular velocity of a circular orbit here.
+  /// μ/r³, the squared angular velocity of a circular orbit with this radius.
   template <class T>
   constexpr T frequency_squared(const Vec<2, T>& q) const {
     using least::sqrt;
@@ -38,7 +38,7 @@ struct DampedKepler {
     return mu * inverse * (inverse * r);
   }
 
-  /// The drag −αp is along the momentum and the force along the position: L̇ = −αL, and L e^{αt} stays.
+  /// The drag −αp is parallel to the momentum and the force to the position: L̇ = −αL, so that L e^{αt} is conserved.
   template <class T, class S>
   constexpr Vec<1, T> invariants(const Vec<2, T>& q, const Vec<2, T>& p, const S& t) const {
     using least::exp;

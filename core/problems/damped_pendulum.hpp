@@ -25,7 +25,7 @@ struct DampedPendulum {
     return {(gravity / length) * sin(q[0])};
   }
   constexpr R damping() const { return alpha; }
-  /// At the bottom, where it is largest.
+  /// The value at the bottom, where it is largest.
   template <class T>
   constexpr T frequency_squared(const Vec<1, T>&) const {
     return T(gravity / length);

@@ -34,14 +34,14 @@ struct DrivenOscillator {
     return T(stiffness);
   }
 
-  /// Weak friction beside a resonance: the difference of steady and free motion keeps too few digits.
+  /// Not with weak friction close to resonance: the difference of steady and free motion would lose too many digits.
   template <class X>
   bool exact_applies(const X&) const {
     const double detuning = double(stiffness - frequency * frequency), loss = double(alpha * frequency);
     return alpha == 0 || detuning * detuning + loss * loss > 1e-8 * double(stiffness * stiffness);
   }
-  /// Steady motion plus the free motion of what the start differs from it. Without friction the response from rest in
-  /// m = (ω+Ω)/2 and d = (ω−Ω)/2, which is smooth through the resonance d = 0.
+  /// Steady motion plus the free motion from the difference of the start. Without friction, the response from rest in
+  /// terms of m = (ω+Ω)/2 and d = (ω−Ω)/2, which is smooth through the resonance d = 0.
   template <class T, class S>
   State<1, T, S> exact(const State<1, T, S>& x0, const S& t) const {
     using least::sincos;

@@ -1,4 +1,4 @@
-// A damped oscillator that heats what brakes it (GENERIC): ẋ = L∇E + M∇S with E = p²/2 + q²/2 + U and S = c ln U.
+// A damped oscillator that heats its brake (GENERIC): ẋ = L∇E + M∇S with E = p²/2 + q²/2 + U and S = c ln U.
 #pragma once
 
 #include <tuple>

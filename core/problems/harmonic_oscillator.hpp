@@ -1,4 +1,4 @@
-// The harmonic oscillator, H = p²/2m + k q²/2: the scene whose every answer is known.
+// The harmonic oscillator, H = p²/2m + k q²/2, for which everything is known in closed form.
 #pragma once
 
 #include <tuple>

@@ -25,16 +25,16 @@ struct Kepler {
     const T w = frequency_squared(q);
     return {w * q[0], w * q[1]};
   }
-  /// Of ln(−V), times a factor: without the root that V waits for.
+  /// factor · ∇ ln(−V), without the root that V needs.
   template <class T>
   constexpr Vec<2, T> log_gradient(const Vec<2, T>& q, const T& factor) const {
     const T c = -factor / dot(q, q);
     return {c * q[0], c * q[1]};
   }
   constexpr R gravitational_parameter() const { return mu; }
-  /// A periapsis passage loses accuracy long before it loses stability: ωh from which a run warns.
+  /// Steps with ωh above this value cause a warning: periapsis passages lose accuracy long before stability.
   static constexpr double careful_step = 0.3;
-  /// μ/r³, the square of the angular velocity of a circular orbit here.
+  /// μ/r³, the squared angular velocity of a circular orbit with this radius.
   template <class T>
   constexpr T frequency_squared(const Vec<2, T>& q) const {
     using least::sqrt;

@@ -1,4 +1,4 @@
-// The Lane–Emden equation q̈ + (2/t) q̇ + qⁿ = 0 of a star in balance: H = p²/2 + q^{n+1}/(n+1) + (2/t) s, from its
+// The Lane–Emden equation q̈ + (2/t) q̇ + qⁿ = 0 of a star in equilibrium: H = p²/2 + q^{n+1}/(n+1) + (2/t) s, from its
 // regular start at t = 0.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace least::problems {
 
-/// What there is past the first zero of q: the end, the plain power, |q|^{n−1} q, or no force.
+/// AfterZero is what follows the first zero of q: the end of the motion; the power qⁿ itself; |q|^{n−1} q; or no force.
 enum class AfterZero : std::uint8_t { stop, continue_, signed_, clamp };
 
 template <class R = double>
@@ -26,9 +26,11 @@ struct LaneEmden {
 
   constexpr bool bounded() const { return after_zero == AfterZero::stop; }
   constexpr bool continues() const { return after_zero == AfterZero::continue_; }
-  /// Where the motion ends at the zero, steps look past it: as `signed_`, and for n = 0 straight on.
+  /// straight(): for n = 0 the force goes on unchanged past the zero. Where the motion ends at the zero, steps still
+  /// look beyond it, otherwise as with `signed_`.
   constexpr bool straight() const { return bounded() || continues(); }
-  /// The power of q itself is meant there: also that of an odd whole n, which has the sign of q.
+  /// plain(): the force is the power of q itself also for q < 0. This includes odd whole n, where the power has the
+  /// sign of q.
   constexpr bool plain() const {
     if constexpr (std::is_same_v<R, double>) {
       const double half = (n - 1) / 2;
@@ -69,26 +71,26 @@ struct LaneEmden {
     using least::log;
     return 2.0 * log(t);
   }
-  /// The zeros of q are reported: the first is the surface of the star.
+  /// Zeros of q are reported; the first is the surface of the star.
   template <class T>
   constexpr T section(const Vec<1, T>& q) const {
     return q[0];
   }
-  /// The motion ends where this becomes negative, if it is bounded.
+  /// A bounded motion ends where this becomes negative.
   template <class T>
   constexpr T inside(const Vec<1, T>& q) const {
     return q[0];
   }
 
-  /// Up to here the series replaces the steps: α = 2/t is infinite at the start.
+  /// Up to this time the series replaces the steps, as α = 2/t is infinite at the start.
   static constexpr double series_until = 0.1;
-  /// q = Σ a_k t^{2k}, qⁿ = Σ c_k t^{2k} by Miller's recurrence, and s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ, where it is `asked`
-  /// for, else 0.
+  /// q = Σ a_k t^{2k}, qⁿ = Σ c_k t^{2k} by Miller's recurrence, and s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ where `asked`, else
+  /// 0.
   template <class T, bool asked, class S>
   State<1, T, S, Action<T>> series(const S& t) const {
     if (t == S(0)) return {t, {T(1)}, {T(0)}, {T(0)}};
-    // In doubles twelve terms are more than there are digits: each has a sixtieth of the one before at most. A lone
-    // state ends where they do: at the second in a row that is nothing, as one may vanish by chance (n = 5/8).
+    // For doubles twelve terms suffice: each is at most a sixtieth of the one before. A single state stops earlier, at
+    // the second negligible term in a row, as one alone may vanish by chance (n = 5/8).
     constexpr std::size_t most = std::is_same_v<T, Quad> ? 40 : 12;
     constexpr bool alone = std::is_same_v<T, double> && std::is_same_v<S, double>;
     std::size_t terms = most;
@@ -96,7 +98,8 @@ struct LaneEmden {
     const S t2 = t * t;
     Vec<most + 1, T> a{T(1)}, c{T(1)}, l{};
     [[maybe_unused]] S power_of_t(1);
-    const auto over = [](const T& x, std::size_t whole) {  // a product waits for less than a quotient
+    // multiplication by a reciprocal has a shorter latency than division
+    const auto over = [](const T& x, std::size_t whole) {
       return alone ? T(x * (T(1) / double(whole))) : T(x / double(whole));
     };
     [[maybe_unused]] bool last_was_nothing = false;
@@ -108,7 +111,7 @@ struct LaneEmden {
       }
       a[k + 1] = -over(c[k], (2 * k + 2) * (2 * k + 3));
       if constexpr (alone) {
-        power_of_t *= t2;  // t^{2k + 2}, that of the next term
+        power_of_t *= t2;  // t^{2k + 2}, the power of the next term
         const bool nothing = std::abs(c[k]) * power_of_t < 1e-20;
         if (nothing && last_was_nothing) terms = k + 1;
         last_was_nothing = nothing;
@@ -126,7 +129,7 @@ struct LaneEmden {
     return {t, {q}, {p * t}, {s * t}};
   }
 
-  /// n = 0, 1 and 5 from the regular start.
+  /// Closed forms exist for n = 0, 1 and 5 from the regular start.
   template <class X>
   bool exact_applies(const X& x0) const {
     const bool regular = x0.t == 0 && x0.q[0] == 1 && x0.p[0] == 0;

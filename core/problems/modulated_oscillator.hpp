@@ -27,7 +27,7 @@ struct ModulatedOscillator {
     using least::sin;
     return alpha * sin(frequency * t);
   }
-  /// (2α/Ω) sin² Ωt/2; nothing where Ω = 0.
+  /// (2α/Ω) sin² Ωt/2; 0 where Ω = 0.
   template <class S>
   constexpr auto damping_integral(const S& t) const {
     using least::either;

@@ -25,7 +25,7 @@ struct Pendulum {
     using least::sin;
     return {(gravity / length) * sin(q[0])};
   }
-  /// At the bottom, where it is largest.
+  /// The value at the bottom, where it is largest.
   template <class T>
   constexpr T frequency_squared(const Vec<1, T>&) const {
     return T(gravity / length);
@@ -64,7 +64,7 @@ State<1, T, S> Pendulum<R>::exact(const State<1, T, S>& x0, const S& t) const {
 
   const T pi = 4 * atan2(T(1), T(1));
   const T angle = rotates ? atan2(s, c) : atan2(k * s, d);
-  // Whole turns: while it librates φ stays on the branch of the start; while it rotates it follows πu/2K.
+  // Whole turns: in libration φ stays on the branch of the start; in rotation it follows πu/2K.
   const T expected = rotates && modulus < 1 ? half + pi * u / (2 * quarter) : half;
   const T turns = floor((expected - angle) / (2 * pi) + T(0.5));
   return {t, {2 * (angle + 2 * pi * turns)}, {2 * omega * k * (rotates ? sign * d : c)}, {}};

@@ -31,7 +31,7 @@ struct PerturbedKepler {
     return alpha * sin(frequency * t);
   }
   constexpr R gravitational_parameter() const { return -gamma; }
-  /// (2α/Ω) sin² Ωt/2; nothing where Ω = 0.
+  /// (2α/Ω) sin² Ωt/2; 0 where Ω = 0.
   template <class S>
   constexpr auto damping_integral(const S& t) const {
     using least::either;
@@ -42,9 +42,9 @@ struct PerturbedKepler {
     return either(
         frequency > 0, [&] { return N(twice / frequency); }, [&] { return twice; });
   }
-  /// A periapsis passage loses accuracy long before it loses stability: ωh from which a run warns.
+  /// Steps with ωh above this value cause a warning: periapsis passages lose accuracy long before stability.
   static constexpr double careful_step = 0.3;
-  /// |γ|/r³, the square of the angular velocity of a circular orbit here.
+  /// |γ|/r³, the squared angular velocity of a circular orbit with this radius.
   template <class T>
   constexpr T frequency_squared(const Vec<2, T>& q) const {
     using least::abs;

@@ -1,5 +1,5 @@
-// The spin of a moon on an eccentric orbit, q̈ + (c + Ċ/C) q̇ + (ε/C) Σ W_k(e) sin(2q − kt) = μ, C = 1 + λ cos(ot).
-// W_k are Hansen coefficients, by Cayley's series to e⁷ for k = −5 … 9: good for e ≤ 0.1, to 1e-8 at e = .05.
+// The spin of a moon on an eccentric orbit, q̈ + (c + Ċ/C) q̇ + (ε/C) Σ W_k(e) sin(2q − kt) = μ, C = 1 + λ cos(ot). W_k
+// are Hansen coefficients, from Cayley's series up to e⁷ for k = −5 … 9: valid for e ≤ 0.1, to 1e-8 at e = .05.
 #pragma once
 
 #include <array>
@@ -67,7 +67,7 @@ struct SpinOrbit {
     }
     return both;
   }
-  /// How often the phases repeat; 0: they do not.
+  /// The period of the time dependence; 0 where it has none.
   constexpr R period() const {
     using least::abs;
     using least::select;
@@ -100,7 +100,7 @@ struct SpinOrbit {
     using least::log;
     return friction * t + log(1.0 + lambda * cos(frequency * t));
   }
-  /// From above, for small e.
+  /// An upper bound of ω² to leading order in e.
   template <class T>
   constexpr T frequency_squared(const Vec<1, T>&) const {
     using least::abs;

@@ -1,4 +1,4 @@
-// Contact density dynamics: a thermostat that makes one oscillator visit its states as heat would.
+// Contact density dynamics: a thermostat that lets one oscillator sample the canonical distribution.
 // H = ρ^{−κ} with ρ ∝ e^{−βh(q,p)} f(s), h = p²/2 + q²/2 and f logistic of scale Q. In the time τ, dt = dτ/H:
 // q′ = κβp, p′ = −κβq + κ g(s) p, s′ = κβp² − 1 with g = (ln f)′ = −tanh(s/2Q)/Q. The motion keeps the density ρ^κ: κ =
 // ½ is the published flow, whose averages over the physical time t are those of ρ, κ = 1 keeps ρ itself in τ.
@@ -46,14 +46,14 @@ struct Thermostat {
     return {y[0], y[1] * exp(h * (kappa * pull(y[2]))), y[2]};
   }
 
-  /// What is averaged over the run, with the weight; β⟨q²⟩ = β⟨p²⟩ = 1, β²⟨p⁴⟩ = 3, ⟨s²⟩ = π²Q²/3.
+  /// Averages over the run with the weight; their expected values are β⟨q²⟩ = β⟨p²⟩ = 1, β²⟨p⁴⟩ = 3, ⟨s²⟩ = π²Q²/3.
   static constexpr std::array<std::string_view, 4> moment_names{"q2", "p2", "p4", "s2"};
   template <class T>
   constexpr Vec<4, T> moments(const Vec<3, T>& y) const {
     const T p2 = y[1] * y[1];
     return {y[0] * y[0], p2, p2 * p2, y[2] * y[2]};
   }
-  /// ln ρ, but for a constant.
+  /// ln ρ up to a constant.
   template <class T>
   constexpr T log_density(const Vec<3, T>& y) const {
     using least::abs;
@@ -63,17 +63,17 @@ struct Thermostat {
     const T log_f = -u - 2.0 * log(0.5 * (1.0 + exp(-u)));
     return log_f - 0.5 * beta * (y[0] * y[0] + y[1] * y[1]);
   }
-  /// ln ρ^{1−κ}: turns averages over τ, whose motion keeps ρ^κ, into those of ρ.
+  /// ln ρ^{1−κ}: the weight that turns averages over τ, whose motion conserves ρ^κ, into averages over ρ.
   template <class T>
   constexpr T log_weight(const Vec<3, T>& y) const {
     return (1.0 - kappa) * log_density(y);
   }
-  /// ln dt/dτ = −ln H: the contact flow of H = ρ^{−κ} is the one that runs in the time t.
+  /// ln dt/dτ = −ln H: the contact flow of H = ρ^{−κ} itself runs in the time t.
   template <class T>
   constexpr T log_rate(const Vec<3, T>& y) const {
     return kappa * log_density(y);
   }
-  /// How fast the bath can damp, or the oscillator turn.
+  /// The fastest rate of the bath's damping and of the oscillation.
   constexpr R stiffness_rate() const {
     using least::select;
     const R damping = 1.0 / scale;

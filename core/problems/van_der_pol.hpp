@@ -20,7 +20,7 @@ struct VanDerPol {
   static constexpr bool carries_slope = true;
   static constexpr bool oscillates = true;
 
-  /// The rate of the fast motion, |f| at x = 0: a step should be short against its inverse.
+  /// The rate of the fast motion, |f| at x = 0: steps should be short compared with its inverse.
   constexpr R stiffness_rate() const { return epsilon; }
 
   template <class S>

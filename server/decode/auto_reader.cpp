@@ -6,7 +6,7 @@
 namespace least::server {
 namespace {
 
-// What stands under a key, if it is asked for.
+// asked returns the value of a key, null where it is absent or JSON null.
 const Json* asked(const Json& json, std::string_view key) {
   const Json* value = find(json, key);
   return value && value->is_null() ? nullptr : value;

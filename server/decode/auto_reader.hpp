@@ -1,4 +1,4 @@
-// How a request asks for the scheme `auto`.
+// Reads a request for the scheme `auto`.
 #pragma once
 
 #include "server/decode/field_reader.hpp"
@@ -6,7 +6,7 @@
 
 namespace least::server {
 
-/// Reads what stands beside the id.
+/// read_wish reads the members of the scheme object besides its id.
 Wish read_wish(const Json& json, const FieldPath& path, const Caps& caps);
 
 }  // namespace least::server

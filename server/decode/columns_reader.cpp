@@ -41,7 +41,7 @@ const Json* member(const Json& object, const FieldPath& path, std::string_view k
   return json;
 }
 
-// A name that the caller gives to an expression.
+// read_own_name reads the name that a request gives to an expression.
 std::optional<std::string> read_own_name(const Json& object, const FieldPath& path) {
   constexpr std::string_view allowed = "a letter, then letters, digits, _; at most 32";
   const Json* json = member(object, path, "name", allowed);
@@ -71,11 +71,11 @@ template void read_expression(const Json&, const FieldPath&, std::string, Member
 
 namespace {
 
-// What stands beside columns in the finals and the section of an ensemble's answer.
+// Names that the finals and the section of an ensemble's answer have besides columns.
 constexpr std::string_view beside_columns[] = {"index", "member",     "crossing", "period",
                                                "phase", "expression", "direction"};
 
-// What `x[*]` stands for: the columns of all elements of x.
+// all_of_a_kind returns, for `x[*]`, the columns of all elements of x.
 std::vector<std::size_t> all_of_a_kind(const Json& json, const Names& known) {
   std::vector<std::size_t> all;
   constexpr std::string_view every = "[*]";
@@ -91,7 +91,7 @@ template <class Reader>
 void read_own_column(const Json& json, const FieldPath& path, const Names& known, Reader& reader, Names& own_names) {
   if (!read_object(json, path, {"name", "expression"}, "a column")) return;
   auto name = read_own_name(json, path);
-  if (!name) return read_expression(json, path, {}, reader);  // for its faults
+  if (!name) return read_expression(json, path, {}, reader);  // the expression is read for its faults alone
   const std::string_view word = json["name"].get_ref<const std::string&>();
   if (std::ranges::find(known, word) != known.end())
     path.at("name").fault("is the name of a column of the scene", json["name"]);
@@ -103,8 +103,8 @@ void read_own_column(const Json& json, const FieldPath& path, const Names& known
   read_expression(json, path, std::move(*name), reader);
 }
 
-// What may stand where `json` does: of members what follows from a final state, and what is named, which is refused in
-// words of its own.
+// columns_for returns the columns that are allowed here. For members these are functions of a final state, and the name
+// that was given, which is then refused with a specific message.
 template <class Reader>
 Names columns_for(const Json& json, const ProblemCard& problem, Names known) {
   if (!std::is_same_v<Reader, MemberReader>) return known;
@@ -193,7 +193,8 @@ void read_columns(const Json& root, const FieldPath& top, const Members* members
 
 namespace {
 
-// What an event may set: variables of the scene, and velocities where a Lagrangian or a potential is given.
+// settable returns what an event may set: variables of the scene, and velocities where a Lagrangian or a potential is
+// given.
 std::vector<Setting> settable(const Scene& scene) {
   std::vector<Setting> all;
   const auto& variables = scene.card().variables;
@@ -251,12 +252,13 @@ std::shared_ptr<const Act> read_act(const Json& event, const FieldPath& path, co
   return act;
 }
 
-// What compares a run with a motion that knows no acts.
+// refuse_beside_acts notes diagnostics and columns that compare a run with a motion without acting events.
 void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& request) {
   if (std::ranges::none_of(request.events, [](const EventAsked& event) { return event.act != nullptr; })) return;
   const auto refuse = [&](const char* key, auto&& is_none, const char* allowed) {
     const Json* names = find(root, key);
-    for (std::size_t i = 0; names && names->is_array() && i < names->size(); ++i)  // else it is refused already
+    // otherwise it has been refused already
+    for (std::size_t i = 0; names && names->is_array() && i < names->size(); ++i)
       if (const Json& name = (*names)[i]; name.is_string() && is_none(name.get_ref<const std::string&>()))
         top.at(key).at(i).fault(name.get<std::string>() + " knows no events that act", name, allowed);
   };
@@ -266,7 +268,7 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
       "columns", [](const std::string& name) { return name == error_column; }, "other columns");
 }
 
-// Whether a list has an event that acts, or one of this name.
+// acts_or_names tells whether a list has an acting event, or one of this name.
 bool acts_or_names(const Json& events, const Json& name) {
   return std::ranges::any_of(events, [&](const Json& event) {
     const Json* const other = event.is_object() ? find(event, "name") : nullptr;
@@ -276,8 +278,8 @@ bool acts_or_names(const Json& events, const Json& name) {
 
 }  // namespace
 
-// What acts on a scene of the catalogue belongs to its motion: events of a request that only watch stand beside it,
-// those that act in its place; an empty list is none at all.
+// Acting events of a problem of the catalogue belong to its motion: events of a request that only watch are added to
+// them, acting ones replace them, and an empty list removes them.
 void read_events(const Json& root, const FieldPath& top, Request& request) {
   const Json* json = find(root, "events");
   const Json* const own = own_events(*forward_of(*request.scene).mechanics);
@@ -286,12 +288,13 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
   if (json == nullptr) return;
   if (!json->is_array()) return path.fault("must be a list of events", *json, std::string(event_shape));
   MeasureReader reader(*request.scene);
-  for (const Measure& plane : request.watched.list) reader.read(plane.card.name, plane.text);  // of the section
+  // the plane of the section
+  for (const Measure& plane : request.watched.list) reader.read(plane.card.name, plane.text);
   std::vector<const Json*> events;
   if (own != nullptr && own != json && !json->empty())
     for (const Json& event : *own)
       if (event.contains("set") && !acts_or_names(*json, event["name"])) events.push_back(&event);
-  const std::size_t of_scene = events.size();  // without a fault
+  const std::size_t of_scene = events.size();  // these have no faults
   if (of_scene + json->size() > most_events)
     return path.fault(fmt::format("holds {} events{}", json->size(),
                                   of_scene > 0 ? fmt::format(", beside {} of the scene", of_scene) : ""),
@@ -318,7 +321,7 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
     read_expression(event, place, std::move(name), reader);
   }
   request.watched = reader.made();
-  // Of a contact scene the run carries s: what an act makes of the contact form is told with it.
+  // In contact scenes the run carries s, to report the effect of an act on the contact form.
   for (std::size_t i = 0; i < request.watched.size() && i < request.events.size(); ++i)
     if (request.events[i].act) request.watched.list[i].card.full_state = true;
   refuse_beside_acts(root, top, request);

@@ -1,4 +1,4 @@
-// What to report: columns by name or as expressions of the caller's own, events that are such, and diagnostics.
+// Reads what to report: columns by name or as expressions of the request's own, events, and diagnostics.
 #pragma once
 
 #include "core/ensemble/members.hpp"
@@ -6,17 +6,19 @@
 
 namespace least::server {
 
-/// Reads the `expression` of an object, which is called so, by the reader: a MeasureReader or a MemberReader.
+/// read_expression reads the `expression` of an object under the given name into the reader: a MeasureReader or a
+/// MemberReader.
 template <class Reader>
 void read_expression(const Json& object, const FieldPath& path, std::string name, Reader& reader);
 
-/// Which zeros the `direction` of an object asks for: those where its expression rises (1), falls (−1), or both (0).
+/// read_way returns which zeros the `direction` of an object selects: rising (1), falling (−1), or both (0).
 int read_way(const Json& object, const FieldPath& path);
 
-/// Reads `columns` and `diagnostics` into the request, whose scene is set; of an ensemble with its members.
+/// read_columns reads `columns` and `diagnostics` into the request, whose scene must be set. `members` are those of an
+/// ensemble, null for a run.
 void read_columns(const Json& root, const FieldPath& top, const Members* members, Request& request);
 
-/// Reads `events` into the request, whose scene and section are set.
+/// read_events reads `events` into the request, whose scene and section must be set.
 void read_events(const Json& root, const FieldPath& top, Request& request);
 
 }  // namespace least::server

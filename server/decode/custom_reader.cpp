@@ -18,7 +18,7 @@ using text::Definition;
 constexpr std::string_view text_or_number = "a formula as text, or a number";
 constexpr auto& kinds = Definition::kind_names;
 
-// A formula; a number is one, where it may stand.
+// read_text returns a formula; a number may stand for one where `numbers` is set.
 std::optional<std::string> read_text(const Json& json, const FieldPath& path, bool numbers) {
   if (json.is_string()) return json.get<std::string>();
   if (numbers && json.is_number()) {
@@ -40,7 +40,7 @@ void read_variables(const Json& json, const FieldPath& path, Definition& definit
   }
 }
 
-// Where something is no number or no formula 1 stands in its place, so that what else is wrong is found, too.
+// Faulty numbers and formulas are replaced by 1, so that further faults are found, too.
 void read_parameters(const Json& json, const FieldPath& path, text::TypedScene& typed) {
   if (!json.is_object()) return path.fault("must be an object of numbers", json, "{\"mu\": 1, \"m\": [3, 4, 5]}");
   for (const auto& [name, entry] : json.items()) {
@@ -63,7 +63,7 @@ void read_texts(const Json& json, const FieldPath& path, bool numbers, Definitio
   }
 }
 
-// Which of the four it is; nothing where it is none or several.
+// kind_of returns which of the four kinds of mechanics is given; nothing where it is none or several.
 std::optional<std::size_t> kind_of(const Json& problem, const FieldPath& path) {
   std::optional<std::size_t> kind;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -98,8 +98,8 @@ void add_fault(const text::DefinitionFault& wrong, const FieldPath& path) {
                     in_text ? std::optional(fault.position) : std::nullopt});
 }
 
-// Parameters that say how many there are of a kind, where they stand beside the id: they are no numbers of the
-// mechanics that is made, but make it another one. Whether there are any.
+// take_sizes reads parameters of a known scene that are sizes of lists, given beside the id: they do not change numbers
+// of the mechanics but lead to another one. Returns whether there are any.
 bool take_sizes(const Json& problem, const FieldPath& path, const Mechanics* made, text::TypedScene& typed) {
   const text::TextScene* const text = made ? made->text() : nullptr;
   const text::Vocabulary* const words = text ? text->definition.vocabulary.get() : nullptr;
@@ -200,7 +200,7 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
     mechanics = made_of(std::move(typed), problem, here);
     if (!faults.empty()) mechanics = nullptr;
   }
-  if (!mechanics) {  // of a scene that can be read, whoever reads its parameters knows its keys
+  if (!mechanics) {  // for a scene that could be read, the reader of its parameters checks the keys
     const auto reserved = text::reserved_keys();
     Names keys(reserved.begin(), reserved.end());
     if (const Json* parameters = find(problem, "parameters"); parameters && parameters->is_object())

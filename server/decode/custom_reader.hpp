@@ -10,8 +10,8 @@ namespace least::server {
 
 inline constexpr std::string_view custom_id = "custom";
 
-/// The mechanics that the problem of a request describes; null after noting what is wrong. Keys that are no part of a
-/// definition are not looked at.
+/// read_custom returns the mechanics that the problem of a request describes; null after noting what is wrong. Keys
+/// that do not belong to a definition are ignored.
 std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPath& path);
 
 }  // namespace least::server

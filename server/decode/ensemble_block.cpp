@@ -30,7 +30,7 @@ bool read_table(const Json& json, const EnsemblePlan& plan, std::size_t rows, st
   return true;
 }
 
-// A list of rows for each member; all columns have as many.
+// Each member has a list of rows; all columns have the same number of them.
 bool read_trajectories(const Json& json, const EnsemblePlan& plan, Trajectories& all) {
   all.member = json.at("member").get<std::vector<std::int64_t>>();
   const std::size_t columns = plan.request.columns.size();
@@ -69,7 +69,7 @@ std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& l
     Moments& of = harvest.columns.emplace_back();
     of.count = sums.at(0).get<std::int64_t>();
     if (of.count == 0) continue;
-    const auto number = [&](std::size_t i) {  // what is no finite number was written as null
+    const auto number = [&](std::size_t i) {  // numbers that are not finite are written as null
       return sums.at(i).is_null() ? std::numeric_limits<double>::quiet_NaN() : sums.at(i).get<double>();
     };
     of.mean = number(1);

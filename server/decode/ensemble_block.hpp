@@ -1,4 +1,4 @@
-// Blocks of members from the lines of a part.
+// Reads blocks of members from the lines of a part file.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace least::server {
 
-/// A block from its line; nothing where it is not one of such a plan.
+/// read_ensemble_block returns the block of a line; nothing where the line is no block of this plan.
 std::optional<Block> read_ensemble_block(const EnsemblePlan& plan, const Json& line);
 
 }  // namespace least::server

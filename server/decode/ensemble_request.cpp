@@ -38,7 +38,7 @@ void read_range(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   plan.last = *last;
 }
 
-// Whether points of a section are kept.
+// read_keep returns whether points of a section are kept.
 bool read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   const Json* json = find(root, "keep");
   if (json == nullptr) return false;
@@ -52,7 +52,7 @@ bool read_keep(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   return keeps(2);
 }
 
-// What stands there is looked at in every case.
+// read_plane_of_all checks the section in any case, and drops it where it is not kept.
 void read_plane_of_all(const Json& root, const FieldPath& top, const SchemeCard* scheme, bool kept, Request& request) {
   read_section(root, top, scheme, request);
   if (kept && find(root, "section") == nullptr)
@@ -63,7 +63,7 @@ void read_plane_of_all(const Json& root, const FieldPath& top, const SchemeCard*
   request.events.clear();
 }
 
-// Of a request without fault: whether as many rows of all members as it records have room.
+// check_trajectories notes, in a request without faults, whether the rows of all members exceed the limit of samples.
 void check_trajectories(const Json& root, const FieldPath& top, const EnsemblePlan& plan) {
   if (!plan.trajectories) return;
   const Record& record = plan.request.record;
@@ -98,7 +98,7 @@ void read_histograms(const Json& root, const FieldPath& top, EnsemblePlan& plan)
   const Json* json = find(root, "histograms");
   if (json == nullptr) return;
   const FieldPath path = top.at("histograms");
-  const bool refused = top.faults->within("/columns");  // then a name may be that of a column which has no card
+  const bool refused = top.faults->within("/columns");  // then a name may refer to a column that was refused
   const std::size_t cards = plan.request.scene->card().columns.size() + plan.request.measures.size();
   Names columns;
   for (const auto column : plan.request.columns)
@@ -151,7 +151,7 @@ void check_columns(const Json& root, const FieldPath& top, const ProblemCard& pr
   }
 }
 
-// A scheme that members cannot have is known all the same, and refused in words of its own.
+// Schemes that members cannot have are known too, so that they are refused with a specific message.
 NamedEntry read_scheme(const Json* json, const FieldPath& path, const Cards& cards) {
   const Json* id = json != nullptr && json->is_object() ? find(*json, "id") : json;
   if (id != nullptr && *id == auto_card().id) {

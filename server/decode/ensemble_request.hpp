@@ -6,7 +6,8 @@
 
 namespace least::server {
 
-/// Reads a request of POST /v1/ensemble: all that is wrong, or a plan as sound as a decoded run.
+/// decode_ensemble reads a request of POST /v1/ensemble: a plan that is as thoroughly checked as a decoded run, or all
+/// faults.
 Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards, const Caps& caps);
 
 }  // namespace least::server

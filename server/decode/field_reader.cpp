@@ -19,7 +19,7 @@ std::string beyond(double x, const Range& range) {
   return fmt::format("must be {} {}", range.high_open ? "less than" : "at most", shortest(range.high));
 }
 
-// A number, or a text of constants.
+// number_of returns a number, or the value of a text of constants.
 std::optional<double> number_of(const Json& json) {
   if (json.is_string()) return text::constant_of(json.get_ref<const std::string&>());
   return json.is_number() ? std::optional(json.get<double>()) : std::nullopt;
@@ -27,7 +27,7 @@ std::optional<double> number_of(const Json& json) {
 
 constexpr std::string_view weights_shape = "{\"weights\": [w1, …, wn]}, symmetric, of sum 1";
 
-// {"weights": [w₁, …]}, beside which an answer says their order.
+// Reads {"weights": [w₁, …]}; an answer adds "order", which is accepted here.
 bool read_weights(const Json& json, const FieldPath& path, std::vector<double>& weights) {
   if (!read_object(json, path, {"weights", "order"}, "a composition")) return false;
   const Json* list = find(json, "weights");
@@ -49,8 +49,8 @@ bool read_weights(const Json& json, const FieldPath& path, std::vector<double>& 
   return true;
 }
 
-// `, like {"t": 20}`: the object that a number or a list seems to have meant, by the names it might hold. A list is a
-// state, which the time is no part of.
+// example returns `, like {"t": 20}`: the object that a number or list was probably meant to be, with the possible
+// names. A list is taken for a state, which does not include the time.
 std::string example(const Json& json, const Names& known) {
   const std::size_t first = json.is_array() && known.size() > 1 && known.front() == "t" ? 1 : 0;
   const std::size_t count = json.is_array() ? std::max<std::size_t>(json.size(), 1) : 1;
@@ -93,7 +93,7 @@ std::optional<double> read_number(const Json& json, const FieldPath& path, const
 std::optional<double> read_whole(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
   const auto x = number_of(json);
   if (x && *x == std::floor(*x)) {
-    // What is no double is beyond every range of counts; rounded, it might not be.
+    // An integer that no double represents exactly exceeds all ranges of counts, but might not once it is rounded.
     const bool exact = !json.is_number_unsigned() || json.get<std::uint64_t>() <= std::uint64_t{greatest_count};
     if (exact) return read_number(json, path, range, other);
     path.fault(beyond(*x * 2, range).append(other), json, interval(range).append(other));
@@ -148,7 +148,7 @@ std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, con
 
 std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card,
                                      std::vector<double>& weights) {
-  std::string absent;  // what stands for no number
+  std::string absent;  // the word for "no value", if allowed
   if (card.nullable) {
     const Json none = card.word.empty() ? Json() : Json(card.word);
     if (json == none) return std::numeric_limits<double>::quiet_NaN();

@@ -1,4 +1,4 @@
-// Reading single values of a request: each function returns the value, or nothing after noting a fault.
+// Readers of single values of a request. Each returns the value, or nothing after noting a fault.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace least::server {
 
-/// Integers beyond this are not exact as doubles.
+/// Larger integers may not be exact as doubles.
 inline constexpr std::int64_t greatest_count = 9'007'199'254'740'992;  // 2⁵³
 
-/// A field of the request, as a JSON pointer, and where its faults go.
+/// FieldPath is the place of a value in the request, as a JSON pointer, and the list that collects its faults.
 struct FieldPath {
   std::string pointer;
   Faults* faults;
@@ -28,11 +28,11 @@ struct FieldPath {
   void fault(std::string detail, const Json& value, std::string allowed = {}) const {
     faults->add({pointer, std::move(detail), shown(value), std::move(allowed)});
   }
-  /// `; did you mean "leapfrog"?`, for the first faults only: the search is dear.
+  /// meant returns `; did you mean "leapfrog"?`; empty after the first few faults, as the search is expensive.
   std::string meant(std::string_view word, const Names& names) const {
     return faults->may_suggest() ? did_you_mean(word, names) : std::string();
   }
-  /// A fault of something that is not there.
+  /// lacks notes a fault of a value that is missing.
   void lacks(std::string detail, std::string allowed = {}) const {
     faults->add({pointer, std::move(detail), {}, std::move(allowed)});
   }
@@ -43,27 +43,30 @@ inline const Json* find(const Json& object, std::string_view key) {
   return it == object.end() ? nullptr : &*it;
 }
 
-/// Whether `json` is an object; notes its keys that are not among `known`.
+/// read_object tells whether `json` is an object, and notes its keys that are not among `known`. `owner` names the
+/// object in messages.
 bool read_object(const Json& json, const FieldPath& path, const Names& known, std::string_view owner);
 
-/// A finite number within the range. `other` says in a fault what else may stand there (` or null`).
+/// read_number returns a finite number within the range. `other` names, in the message, what else is allowed (such as `
+/// or null`).
 std::optional<double> read_number(const Json& json, const FieldPath& path, const Range& range,
                                   std::string_view other = {});
 
-/// A whole number within the range; 5.0 is whole.
+/// read_whole returns a whole number within the range; 5.0 counts as whole.
 std::optional<double> read_whole(const Json& json, const FieldPath& path, const Range& range,
                                  std::string_view other = {});
 std::optional<std::int64_t> read_integer(const Json& json, const FieldPath& path, std::int64_t low, std::int64_t high);
 
-/// The position of a string among the names; `what` says what they are ("problem"), `other` what else may stand there.
+/// read_name returns the index of a string among the names. `what` says what they are ("problem"), `other` what else is
+/// allowed.
 std::optional<std::size_t> read_name(const Json& json, const FieldPath& path, const Names& names, std::string_view what,
                                      std::string_view other = {});
 
-/// A list of names without repetition, as positions among the known ones.
+/// read_names returns a list of names without repetition, as indices among the known ones.
 std::vector<std::size_t> read_names(const Json& json, const FieldPath& path, const Names& known, std::string_view what);
 
-/// The value of a parameter as the core holds it: a choice by its index, a flag as 0 or 1, null or the card's word for
-/// it as NaN; {"weights": […]} by the index after the last choice, the list itself in `weights`.
+/// read_parameter returns the value as the core stores it: a choice as its index, a flag as 0 or 1, null or the card's
+/// word for it as NaN, {"weights": […]} as the index behind the last choice, with the list in `weights`.
 std::optional<double> read_parameter(const Json& json, const FieldPath& path, const ParameterCard& card,
                                      std::vector<double>& weights);
 

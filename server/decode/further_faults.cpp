@@ -14,7 +14,7 @@ namespace {
 using text::Definition;
 using text::DefinitionFault;
 
-/// Whether a number now stands where the fault is.
+/// replace puts a number in the place of the faulty text; it returns whether that was possible.
 bool replace(text::TypedScene& typed, const DefinitionFault& fault) {
   Definition& scene = typed.scene;
   const std::pair<const char*, Definition::Named*> all[] = {{"/definitions/", &typed.definitions},
@@ -28,7 +28,7 @@ bool replace(text::TypedScene& typed, const DefinitionFault& fault) {
       if (fault.in_text)
         entry->second = "1";
       else
-        named->erase(entry);  // it is the name that is wrong
+        named->erase(entry);  // the name is at fault
       return true;
     }
   const std::pair<const char*, std::optional<std::string>*> single[] = {{"/damping", &scene.damping},

@@ -1,5 +1,5 @@
-// All that is wrong with a scene given as text, where some of it hides the rest: a definition that cannot be read is
-// read before the texts that use it.
+// Finds all faults of a scene given as text, where some hide others: definitions are read before the texts that use
+// them.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace least::server {
 
-/// Of a scene in which these faults are found first, those that are found when numbers stand in the place of the texts
-/// that they are in, and so on. Where variables, parameters or a Lagrangian would have to be replaced the search ends.
+/// further_faults returns, besides `first`, the faults that appear when the faulty texts are replaced by numbers,
+/// repeatedly. The search ends where a variable, a parameter or a Lagrangian would have to be replaced.
 std::vector<text::DefinitionFault> further_faults(text::TypedScene typed, std::vector<text::DefinitionFault> first);
 
 }  // namespace least::server

@@ -9,21 +9,21 @@
 namespace least::server {
 namespace {
 
-// What the allocator takes for so many bytes.
+// block returns what the allocator takes for so many bytes.
 constexpr std::size_t block(std::size_t bytes) { return std::max<std::size_t>(32, (bytes + 23) / 16 * 16); }
-// The same for what a string keeps elsewhere.
+// beside returns what a string takes outside of its object.
 std::size_t beside(const std::string& text) { return text.capacity() > 15 ? block(text.capacity() + 1) : 0; }
 
-// By how much a list of such elements grows.
+// more returns by how much a list of such elements grows.
 template <class Element>
 constexpr std::size_t more(std::size_t from, std::size_t to) {
   return block(to * sizeof(Element)) - (from > 0 ? block(from * sizeof(Element)) : 0);
 }
 
-// Builds the tree while the text is read, and looks at every bound before the tree grows.
+// Builder builds the tree while the text is parsed, and checks every limit before the tree grows.
 class Builder final : public nlohmann::json_sax<Json> {
  public:
-  // Unless it `builds`, it only looks: of what there is nothing is kept but keys.
+  // With `builds` false it only checks, and keeps nothing but keys.
   Builder(const JsonBounds& bounds, Faults& faults, bool builds, MemoryBudget* memory)
       : held(memory), bounds_(bounds), faults_(faults), builds_(builds) {
     levels_.reserve(4);
@@ -35,7 +35,7 @@ class Builder final : public nlohmann::json_sax<Json> {
   bool number_unsigned(number_unsigned_t x) override { return value(x); }
   bool number_float(number_float_t x, const string_t&) override { return value(x); }
   bool string(string_t& x) override { return holds(block(sizeof x) + beside(x)) && value(std::move(x)); }
-  bool binary(binary_t&) override { return false; }  // there is none in a text
+  bool binary(binary_t&) override { return false; }  // text has no binary values
 
   bool start_object(std::size_t) override { return open(Json::object()); }
   bool end_object() override { return close(); }
@@ -63,7 +63,8 @@ class Builder final : public nlohmann::json_sax<Json> {
       if (!levels_.empty()) ++levels_.back().index;
       faults_.add({pointer_here(), "the number does not fit a double", "", "a finite number"});
     } else {
-      // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while …": the tail says it.
+      // The message reads "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while …"; its
+      // tail is what matters.
       const std::string_view what = e.what();
       const auto tail = what.find(": ");
       detail = clipped(tail == what.npos ? what : what.substr(tail + 2), 200);
@@ -78,11 +79,11 @@ class Builder final : public nlohmann::json_sax<Json> {
   bool overflow = false, bound_broken = false, no_memory = false;
 
  private:
-  // A list or an object that is not closed yet.
+  // Level is a list or an object that is not closed yet.
   struct Level {
     Json node;
-    std::size_t index = 0;  // in a list: elements so far, with the one that stands now
-    std::string key{};      // in an object: the one that stands now
+    std::size_t index = 0;  // in a list: elements so far, the current one included
+    std::string key{};      // in an object: the current key
   };
 
   std::string pointer_here() const {
@@ -96,13 +97,13 @@ class Builder final : public nlohmann::json_sax<Json> {
     if (!levels_.empty()) ++levels_.back().index;
     return ++values_ <= bounds_.values || broken("more than " + std::to_string(bounds_.values) + " values");
   }
-  // Whether there is memory for so many bytes more.
+  // holds charges so many bytes more, and tells whether there was memory.
   bool holds(std::size_t bytes) {
     bytes_ += bytes;
     if (bytes_ > small_tree && !held.grow_to((bytes_ + small_tree - 1) / small_tree * small_tree)) no_memory = true;
     return !no_memory;
   }
-  // Room for one more; grown by itself an object would copy all that it holds.
+  // widen makes room for one more member; growing by itself, an object would copy all of its content.
   bool widen(Json::object_t& object) {
     if (object.size() < object.capacity()) return true;
     using Container = Json::object_t::Container;
@@ -163,7 +164,7 @@ class Builder final : public nlohmann::json_sax<Json> {
 struct ForeignWord {
   std::string_view word, why;
 };
-// What other languages write, and where a text of theirs ends to be JSON.
+// What other languages write, and why it is not JSON.
 constexpr ForeignWord foreign[] = {
     {"NaN", "NaN is not JSON, whose numbers are finite"},
     {"nan", "nan is not JSON, whose numbers are finite"},
@@ -181,7 +182,7 @@ constexpr ForeignWord foreign[] = {
 std::string why_not_json(std::string_view text, std::size_t byte, std::string said) {
   constexpr std::string_view in_words = "\\_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
   const auto in_word = [&](std::size_t at) { return at < text.size() && in_words.find(text[at]) != in_words.npos; };
-  // The parser reads on while it may be a literal: `nan` as far as `na`, for null; a minus, for a number.
+  // The parser consumes a possible literal before it fails: `na` of `nan`, for null; a minus, for a number.
   for (std::size_t back = 0; back <= std::min<std::size_t>(byte, 2); ++back)
     for (const auto& [word, why] : foreign) {
       const std::size_t from = byte - back;
@@ -194,11 +195,11 @@ std::string why_not_json(std::string_view text, std::size_t byte, std::string sa
 }  // namespace
 
 Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& bounds, MemoryBudget* memory) {
-  // The parser takes a zero byte for the end and would not see what follows.
+  // The parser takes a zero byte for the end of the text and would ignore what follows.
   if (const auto zero = text.find('\0'); zero != text.npos) return NotJson{zero, "a zero byte"};
   ParsedJson parsed;
-  std::string patched;  // a copy where numbers that overflow are replaced by 0, so that what follows is read too
-  std::optional<Builder> builder;  // of one pass: what it made and holds is gone before the next
+  std::string patched;             // a copy in which overflowing numbers are replaced by 0, so that parsing can go on
+  std::optional<Builder> builder;  // of one pass; destroyed before the next
   for (std::size_t overflows = 0;; ++overflows) {
     builder.emplace(bounds, parsed.faults, overflows == 0, memory);
     bool whole = Json::sax_parse(text, &*builder);
@@ -219,7 +220,7 @@ Result<ParsedJson, NotJson> parse_json(std::string_view text, const JsonBounds& 
       const std::size_t byte = builder->error_at == 0 ? 0 : builder->error_at - 1;
       return NotJson{byte, why_not_json(text, std::min(byte, text.size()), builder->detail)};
     }
-    // Each overflow costs a pass: stop where reading on would no longer help anybody.
+    // Each overflow costs a pass: stop where further faults would help nobody.
     if (overflows == 16 || text.substr(start, length) != builder->error_token) return parsed;
     if (patched.empty()) patched = text;
     patched.replace(start, length, std::string(length, ' ')).replace(start, 1, "0");

@@ -15,14 +15,14 @@ namespace {
 
 constexpr double most_grid = 1e12;
 
-// What a variation may change, by its pointer.
+// Variable is what a variation may change, by its pointer.
 struct Variable {
   std::string pointer;
   Varied of = Varied::variable;
   std::size_t index = 0;
   Range range;
 };
-// Of a start in velocities, which members have in common, these and not the momenta.
+// If members share the start's velocities, these can vary, and momenta cannot.
 std::vector<Variable> variables_of(const Scene& scene, bool holds_velocities) {
   const ProblemCard& problem = scene.card();
   const text::TextScene* const text = scene.mechanics->text();
@@ -44,7 +44,7 @@ std::vector<Variable> variables_of(const Scene& scene, bool holds_velocities) {
   return all;
 }
 
-// What a client may have meant that members cannot have: each in words of its own.
+// why_fixed says why something that a client may have meant cannot vary, with a specific message for each case.
 std::string why_fixed(std::string_view pointer, const Scene& scene, bool holds_velocities) {
   const ProblemCard& problem = scene.card();
   if (const text::TextScene* const text = scene.mechanics->text(); text && text->takes_velocities())
@@ -144,8 +144,8 @@ void read_vary(const Json& json, const FieldPath& path, const Scene& scene, Memb
   }
 }
 
-// Whether members have the velocities of the start in common, and not its momenta: as is said, or as what varies needs
-// it, or as the start says.
+// velocities_in_common tells whether members share the start's velocities, not its momenta: as the request says, else
+// as the varied quantities require, else as the start is given.
 bool velocities_in_common(const Json& root, const Json& members, const FieldPath& path, const Scene& scene,
                           const Json* vary) {
   const text::TextScene* const text = scene.mechanics->text();
@@ -185,7 +185,8 @@ void read_members(const Json& root, const FieldPath& top, const Scene* scene, En
   }
   const Json* vary = find(*json, "vary");
   if (scene != nullptr) members.holds_velocities = velocities_in_common(root, *json, path, *scene, vary);
-  const bool unclear = path.faults->within(path.at("holds").pointer);  // what may vary, and so how many there are
+  // `holds` is faulty, so that it is unknown what may vary, and how many members there are
+  const bool unclear = path.faults->within(path.at("holds").pointer);
   if (vary != nullptr && scene != nullptr && !unclear) read_vary(*vary, path.at("vary"), *scene, members);
   const Json* count = find(*json, "count");
   if (count != nullptr) members.count = read_integer(*count, path.at("count"), 1, greatest_count).value_or(1);
@@ -208,7 +209,7 @@ void read_members(const Json& root, const FieldPath& top, const Scene* scene, En
     return;
   }
   if (path.faults->within(path.at("count").pointer)) return;
-  // More go through the product again and again, each with draws of its own.
+  // Further members repeat the product, each with draws of its own.
   const auto given = static_cast<double>(members.count);
   if (listed_values && given != product && !(drawn && given > product)) {
     path.at("count").fault(fmt::format("grids and values make {} members", shortest(product)), *count,

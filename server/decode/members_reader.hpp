@@ -1,4 +1,4 @@
-// The members of an ensemble, and what varies among them.
+// Reads the members of an ensemble, and what varies among them.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,11 @@
 
 namespace least::server {
 
-/// A list of numbers within a range; fewer where some are none.
+/// read_list returns a list of numbers within a range; it is shorter where some entries are faulty.
 std::vector<double> read_list(const Json& json, const FieldPath& path, const Range& range);
 
-/// How many members there are, their seed and what varies. `scene`: null where what it is of is not known.
+/// read_members reads the number of members, their seed and what varies. `scene` is null where the problem could not be
+/// read.
 void read_members(const Json& root, const FieldPath& top, const Scene* scene, EnsemblePlan& plan);
 
 }  // namespace least::server

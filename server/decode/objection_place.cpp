@@ -14,7 +14,8 @@ namespace {
 
 std::string_view stem_of(std::string_view name) { return name.substr(0, name.find('[')); }
 
-// `/masses/x[2]` as the request has it: so, or for all of the list, `/masses/x`, or for all masses.
+// place_in returns how the request gives `/masses/x[2]`: so, or for the whole list as `/masses/x`, or for all as
+// `/masses`.
 std::optional<std::string> place_in(const Json& problem, std::string_view pointer) {
   const std::string_view key = pointer.substr(1, pointer.find('/', 1) - 1);
   const Json* const texts = find(problem, key);
@@ -27,7 +28,7 @@ std::optional<std::string> place_in(const Json& problem, std::string_view pointe
   return "/" + std::string(key);
 }
 
-// What the text is that a pointer leads to, in words.
+// in_words returns what the text at a pointer is.
 std::string in_words(std::string_view pointer) {
   const std::size_t second = pointer.find('/', 1);
   const std::string_view key = pointer.substr(1, second - 1);
@@ -40,7 +41,7 @@ std::string in_words(std::string_view pointer) {
   return "the " + std::string(key);
 }
 
-/// Parameters that go by one key of a request: a number, a list of them.
+/// Given are the parameters that one key of a request sets: a number, or the elements of a list.
 struct Given {
   std::string key;
   std::vector<std::size_t> parameters;

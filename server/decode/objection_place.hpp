@@ -1,5 +1,5 @@
-// Where a request says what a scene as text objects to: an objection knows the text that it is about, which a request
-// may have said for a whole list, or not at all where the scene is one of the catalogue.
+// Finds the place in a request that causes an objection of a scene given as text. An objection names the text it
+// concerns; the request may have given that text for a whole list, or not at all, for a problem of the catalogue.
 #pragma once
 
 #include <functional>
@@ -10,9 +10,9 @@
 
 namespace least::server {
 
-/// Notes the objection at the text, where the request holds it; else at the parameter that alone brings it about, of
-/// those that the request says; else at the start, or the problem. `holds`: whether there is none to a scene with other
-/// parameters.
+/// add_objection notes the objection at that text, where the request contains it; else at the one parameter of the
+/// request that causes it alone; else at the start or the problem. holds(scene) tells whether a scene with other
+/// parameters is free of objections.
 void add_objection(const Json& root, const FieldPath& top, const Scene& scene,
                    const text::TextScene::Objection& objection, const std::function<bool(const Scene&)>& holds);
 

@@ -17,7 +17,7 @@ constexpr std::string_view shape_of_family =
     "{\"by\": \"/problem/mu\", \"/initial/x\", \"period\" or \"energy\", \"to\": 0.3, \"count\": 50}";
 constexpr Range positive{0, std::numeric_limits<double>::infinity(), true, true};
 
-// What a family may be along, as a request names it, with the range of its values.
+// Way is what a family may vary, as a request names it, with the range of its values.
 struct Way {
   std::string name;
   FamilyAsked::By by;
@@ -80,7 +80,7 @@ void read_manifolds(const Json& root, const FieldPath& top, Question& question) 
     asked.until = read_number(*until, path.at("until"), positive).value_or(asked.until);
 }
 
-// The only scheme, whose tolerance is that of the orbit; as close as doubles go where the request does not say.
+// Reads the only scheme, taylor, whose tolerance is that of the orbit; by default as small as doubles allow.
 void read_scheme(const Json& root, const FieldPath& top, const Cards& cards, const PresetCard* preset,
                  Question& question) {
   constexpr double close = 1e-15;

@@ -6,7 +6,7 @@
 
 namespace least::server {
 
-/// Reads a request of POST /v1/periodic: all that is wrong, or a question that the core takes.
+/// decode_periodic reads a request of POST /v1/periodic: a checked question, or all faults.
 Result<periodic::Question, Faults> decode_periodic(ParsedJson body, const Cards& cards, const Caps& caps);
 
 }  // namespace least::server

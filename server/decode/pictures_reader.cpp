@@ -15,7 +15,7 @@ using text::Pictures;
 constexpr std::size_t most_views = 8, most_bodies = 256, most_links = 8;
 constexpr std::string_view of_place = "two or three columns or expressions, [\"x\", \"y\"]";
 
-// Two coordinates, or three: in the plane or in space.
+// read_place reads two coordinates, or three: in the plane or in space.
 std::vector<std::string> read_place(const Json& json, const FieldPath& path) {
   std::vector<std::string> place;
   if (!json.is_array() || json.size() < 2 || json.size() > 3) {
@@ -46,14 +46,14 @@ std::vector<int> read_links(const Json& json, const FieldPath& path, std::size_t
       links.push_back(Pictures::pivot);
     } else if (!json[i].is_number_unsigned() || json[i].get<std::uint64_t>() >= bodies) {
       path.at(i).fault(json[i].is_number() ? "there is no such body" : "is no body", json[i], allowed);
-    } else {  // a link to the body itself is nothing to be seen
+    } else {  // a link of a body to itself would be invisible
       links.push_back(json[i].get<int>());
     }
   }
   return links;
 }
 
-// A list of so many at most; empty, after noting it, where it is none.
+// list returns the list if it has at most `most` elements; else an empty one after noting the fault.
 const Json& list(const Json& json, const FieldPath& path, std::size_t most, std::string_view shape) {
   static const Json none = Json::array();
   if (json.is_array() && json.size() <= most) return json;
@@ -62,8 +62,8 @@ const Json& list(const Json& json, const FieldPath& path, std::size_t most, std:
   return none;
 }
 
-// An entry of a view or of a body's place.
-// `many`: all of a kind may stand there, as one column for each.
+// check_entry checks an entry of a view or of a body's place.
+// `many`: `x[*]` is allowed, which stands for one column of each element.
 void check_entry(const std::string& entry, const FieldPath& path, const ProblemCard& card, MeasureReader& reader,
                  bool many) {
   Names columns;

@@ -1,5 +1,5 @@
-// What a scene as text says of its pictures: `views`, columns drawn together, and `bodies`, what moves and what links
-// it.
+// Reads the pictures of a scene given as text: `views`, columns that are drawn together, and `bodies`, which move and
+// are linked.
 #pragma once
 
 #include "core/run/mechanics.hpp"
@@ -8,11 +8,11 @@
 
 namespace least::server {
 
-/// Reads `views` and `bodies` of a problem after noting what is wrong with their shape: kinds that there are not, links
-/// to bodies that do not exist.
+/// read_pictures reads `views` and `bodies` and notes faults of their form: unknown kinds, links to bodies that do not
+/// exist.
 text::Pictures read_pictures(const Json& problem, const FieldPath& path);
 
-/// Notes entries of them that are neither a column of the scene nor an expression of its names.
+/// check_pictures notes entries that are neither a column of the scene nor a valid expression.
 void check_pictures(const text::Pictures& pictures, const FieldPath& path, const Scene& scene);
 
 }  // namespace least::server

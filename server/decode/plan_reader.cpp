@@ -17,14 +17,14 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// What is known of the span of a run before it starts.
+// Span is what is known of the span of a run before it starts.
 struct Span {
-  std::optional<double> end;          // unknown where a scheme with its own clock makes a number of steps
+  std::optional<double> end;          // unknown where a scheme with its own clock takes a number of steps
   std::optional<std::int64_t> steps;  // whole steps; unknown where a scheme with its own clock runs to a time
-  bool open = false;                  // the end is unknown because the scheme sets its own clock
+  bool open = false;                  // the end is unknown as the scheme has its own clock
 };
 
-// The position of the parameter `step` among a scheme's parameters, if time advances by it.
+// fixed_step returns the index of the parameter `step`, if the scheme advances time by it.
 std::optional<std::size_t> fixed_step(const SchemeCard& scheme) {
   if (scheme.own_clock) return std::nullopt;
   for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
@@ -33,17 +33,17 @@ std::optional<std::size_t> fixed_step(const SchemeCard& scheme) {
   return std::nullopt;
 }
 
-// Where the time of the end stands: `until` may be that time alone.
+// The end time is at `until/t`, or at `until` itself where that is a bare time.
 bool is_bare(const Json* until) { return until && (until->is_number() || until->is_string()); }
 FieldPath end_path(const Json& root, const FieldPath& top) {
   const FieldPath until = top.at("until");
   return is_bare(find(root, "until")) ? until : until.at("t");
 }
 
-// A time of the request in the time of the run, which goes forward.
+// run_time converts a time of the request to that of the run, which always goes forward.
 double run_time(const Request& request, double t) { return goes_backward(*request.scene) ? 0 - t : t; }
 
-// The end as it stands in the request, or the default one.
+// read_until reads the end as the request gives it, or sets the default.
 void read_until(const Json& root, const FieldPath& top, const PresetCard* preset, Request& request) {
   const Json* json = find(root, "until");
   const FieldPath path = top.at("until");
@@ -67,7 +67,7 @@ void read_until(const Json& root, const FieldPath& top, const PresetCard* preset
   }
 }
 
-// `h`: the length of a step, where it is known.
+// `h` is the step length, where it is known.
 Span span_until(const Json& root, const FieldPath& top, const Request& request, std::optional<double> h) {
   const FieldPath until = top.at("until"), time = end_path(root, top);
   if (request.until_steps) {
@@ -92,7 +92,7 @@ Span span_until(const Json& root, const FieldPath& top, const Request& request, 
   }
   if (!h) return {request.end, std::nullopt};
   const double steps = (request.end - request.scene->start) / *h;
-  // Of an end that nobody said the step is at fault.
+  // If the request does not give the end, the step is at fault.
   const auto refuse = [&](const std::string& why) {
     if (find(root, "until")) return time.fault(why, Json(run_time(request, request.end)));
     top.at("scheme").at("step").fault(
@@ -133,7 +133,7 @@ void read_times(const Json& json, const FieldPath& path, const Request& request,
   }
 }
 
-// Rows the run would keep; nothing where it cannot be said beforehand.
+// rows returns how many rows the run would keep; nothing where that is not known beforehand.
 std::optional<std::int64_t> rows(const Request& request, const Span& span) {
   const Record& record = request.record;
   if (record.mode == Record::Mode::samples || record.mode == Record::Mode::curve) return record.count;
@@ -241,14 +241,14 @@ void read_direction(const Json& root, const FieldPath& top, Scene& scene) {
   const Json* json = find(root, "until");
   const Json* t = is_bare(json) ? json : json && json->is_object() ? find(*json, "t") : nullptr;
   if (t == nullptr) return;
-  Faults later;  // it is read once more, and what is wrong with it told then
+  Faults later;  // its faults are reported when it is read again
   const auto end = read_number(*t, FieldPath{"", &later}, anywhere);
   if (!end || !(*end < scene.start)) return;
   auto turned = backward(scene);
   const auto* why = std::get_if<std::string>(&turned);
   if (!why)
     scene = std::get<Scene>(std::move(turned));
-  else if (top.faults->empty())  // else it may be that which is in the way
+  else if (top.faults->empty())  // otherwise the faults found so far may be the reason
     end_path(root, top).fault("lies before the start: " + *why, *t);
 }
 
@@ -278,7 +278,7 @@ void read_plan(const Json& root, const FieldPath& top, const ProblemCard* proble
     span = span_until(root, top, request, known ? std::optional(request.settings[*step]) : std::nullopt);
     span.open = request.until_steps && !step;
   }
-  if (problem) read_columns(root, top, members, request);  // as many as there are, as many rows fit
+  if (problem) read_columns(root, top, members, request);  // the number of columns limits the number of rows
   read_record(root, top, span, request);
 }
 

@@ -12,7 +12,7 @@
 namespace least::server {
 namespace {
 
-// The name of a list without the number of an element.
+// list_of returns a name without the index of an element.
 std::string_view list_of(std::string_view name) { return name.substr(0, name.find('[')); }
 
 std::string text_at(const Json& object, std::string_view key) {
@@ -73,7 +73,7 @@ class FileReader {
     throw std::logic_error(in_file(first.pointer + " " + first.detail + "; allowed: " + first.allowed));
   }
 
-  // The scene as a request has it, with the values of a preset or without.
+  // scene_with returns the scene as a request would give it, with the values of a preset.
   Scene scene_with(const Json& preset) {
     Json problem = object_at(file_, "scene"), initial = object_at(file_, "initial");
     problem["id"] = custom_id;
@@ -149,19 +149,19 @@ class FileReader {
 TextProblem read_scene_file(std::string_view path, std::string_view body) {
   try {
     return FileReader(path, body).problem();
-  } catch (const nlohmann::json::exception& fault) {  // a number where a text should stand
+  } catch (const nlohmann::json::exception& fault) {  // for example a number where a text is expected
     throw std::logic_error("core/scenes" + std::string(path) + ": " + fault.what());
   }
 }
 
 const std::vector<TextProblem>& text_problems() {
   static const std::vector<TextProblem> all = [] {
-    const HeldByThread nobody(nullptr);  // they stay
+    const HeldByThread nobody(nullptr);  // not charged to any request, as they stay in memory
     std::vector<TextProblem> made;
     for (const SceneFile& file : scene_files()) {
       try {
         made.push_back(read_scene_file(file.path, file.body));
-      } catch (const std::runtime_error&) {  // a build for development, which leaves the form out
+      } catch (const std::runtime_error&) {  // a development build without this form
       }
     }
     return made;

@@ -1,4 +1,4 @@
-// The problems of the catalogue that are scenes as text: a file of core/scenes each, embedded in the binary.
+// Problems of the catalogue that are given as text: one file of core/scenes each, embedded in the binary.
 #pragma once
 
 #include <memory>
@@ -11,14 +11,14 @@
 
 namespace least::server {
 
-/// One file: its name (`/pleiades.json`), its media type and its bytes. All of static storage.
+/// SceneFile is one file: its name (`/pleiades.json`), its media type and its bytes, all with static lifetime.
 struct SceneFile {
   std::string_view path, type, body;
 };
-/// All files of core/scenes; the build makes the definition from them.
+/// scene_files() returns all files of core/scenes; the build generates the definition.
 std::span<const SceneFile> scene_files();
 
-/// A problem of the catalogue that a file describes: its name is the problem's id. In the file stand
+/// TextProblem is a problem of the catalogue read from a file, whose name is the problem's id. The file contains
 ///   title, summary, references: as in every card,
 ///   scene: what a request says of a scene as text, without its id,
 ///   about: {name: {doc, unit, symbol}} of variables, momenta and parameters, one for all elements of a list,
@@ -30,16 +30,16 @@ struct TextProblem {
   std::shared_ptr<const Mechanics> mechanics;
   Json events;  ///< null: none
 };
-/// Reads one. Throws std::logic_error that says what is wrong with the file, std::runtime_error where this build leaves
-/// its form out.
+/// read_scene_file reads one. Throws std::logic_error with what is wrong with the file, std::runtime_error where this
+/// build omits its form.
 TextProblem read_scene_file(std::string_view path, std::string_view body);
 
-/// All whose form this build has, read once.
+/// text_problems() returns all problems whose form this build has; they are read once.
 const std::vector<TextProblem>& text_problems();
 
-/// The events that a scene brings along; null: none.
+/// own_events returns the events that a scene brings along; null where it has none.
 const Json* own_events(const Mechanics& problem);
-/// Notes a fault where it brings some along and a request cannot have them.
+/// refuse_own_events notes a fault where a scene has events but the request cannot have them.
 void refuse_own_events(const Mechanics& problem, const FieldPath& path);
 
 }  // namespace least::server

@@ -36,7 +36,8 @@ std::optional<double> named(const std::vector<NamedValue>& values, std::string_v
   return std::nullopt;
 }
 
-// Flat parameters beside an id; `values` comes with the defaults, and goes with the weights that stand for a choice.
+// Reads parameters that are given flat beside an id. `values` are the defaults on entry, and end with the weights of a
+// composition, if any.
 void read_parameters(const Json& object, const FieldPath& path, const std::vector<ParameterCard>& cards,
                      std::vector<double>& values) {
   std::vector<double> weights;
@@ -48,7 +49,7 @@ void read_parameters(const Json& object, const FieldPath& path, const std::vecto
   values.insert(values.end(), weights.begin(), weights.end());
 }
 
-// The preset of a problem's or a scheme's card that the request names.
+// read_preset returns the preset of the card that the request names.
 template <class Card>
 auto read_preset(const Json& object, const FieldPath& path, const Card& card) -> decltype(card.presets.data()) {
   const Json* json = find(object, "preset");
@@ -61,7 +62,7 @@ auto read_preset(const Json& object, const FieldPath& path, const Card& card) ->
   return index ? &card.presets[*index] : nullptr;
 }
 
-// The order that an answer says of weights of one's own: whoever sends it back may leave it out, but not change it.
+// An answer reports the order of a composition's weights: a request may omit it but not contradict it.
 void check_order(const Json& scheme, const FieldPath& path, const SchemeCard& card, const std::vector<double>& settings,
                  std::size_t i) {
   if (!has_weights(card.parameters[i], settings[i])) return;
@@ -104,7 +105,8 @@ std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath&
 
 namespace {
 
-// What a start may say in the place of momenta; nothing where neither a Lagrangian nor a potential is given.
+// velocity_names returns the names that a start may use instead of momenta; empty where neither a Lagrangian nor a
+// potential is given.
 std::vector<std::string> velocity_names(const text::TextScene& scene) {
   std::vector<std::string> names;
   if (!scene.takes_velocities()) return names;
@@ -112,17 +114,19 @@ std::vector<std::string> velocity_names(const text::TextScene& scene) {
   return names;
 }
 
-// A start in velocities, or in momenta of some coordinates and velocities of the others: the momenta that are not given
-// follow from velocities.
+// read_velocities reads a start with velocities, or with momenta of some coordinates and velocities of the others;
+// momenta that are not given follow from velocities.
 void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
                      const std::vector<std::string>& names, Scene& scene, std::vector<double>* velocities) {
-  const bool rests = !text.known;  // what is missing; else it is as in the default start, in momenta
+  // missing velocities are 0; in the catalogue, those of the default start, which is in momenta
+  const bool rests = !text.known;
   if (names.empty()) return;
   if (!rests && std::ranges::none_of(names, [&](const auto& name) { return find(initial, name) != nullptr; })) return;
   std::vector<double> state = scene.initial;
   const auto moving = state.begin() + text.capacity;
   const std::vector<double> said(moving,
-                                 moving + static_cast<std::ptrdiff_t>(names.size()));  // momenta, where they are
+                                 // the momenta, where they are given
+                                 moving + static_cast<std::ptrdiff_t>(names.size()));
   if (rests)
     std::fill(moving, moving + text.capacity, 0.0);
   else
@@ -148,8 +152,8 @@ void read_velocities(const Json& initial, const FieldPath& start, const text::Te
   scene.initial = std::move(state);
 }
 
-// Whether the start of a request is one in velocities, which then stay where they are: it says no momenta, or, of a
-// problem of the catalogue, whose default is in momenta, a velocity.
+// is_in_velocities tells whether a start is given by velocities, which then stay fixed: it has no momenta; or, for a
+// problem of the catalogue, whose default start is in momenta, it has a velocity.
 bool is_in_velocities(const Json& root, const text::TextScene* text) {
   if (!text || !text->takes_velocities()) return false;
   const bool by_default = !text->known;
@@ -165,8 +169,8 @@ bool is_in_velocities(const Json& root, const text::TextScene* text) {
   return by_default != says_other;
 }
 
-// A start, or parameters, with every number of a list under the name of its element: {"x": [1, 2]} as {"x[1]": 1,
-// "x[2]": 2}.
+// without_lists returns a start, or parameters, with lists replaced by their elements: {"x": [1, 2]} becomes {"x[1]":
+// 1, "x[2]": 2}.
 Json without_lists(const Json& initial, const FieldPath& start, const text::TextScene& text) {
   Json elements = Json::object();
   for (const auto& [name, entry] : initial.items()) {
@@ -189,7 +193,7 @@ Json without_lists(const Json& initial, const FieldPath& start, const text::Text
   return elements;
 }
 
-// Whether a list of parameters stands beside an id.
+// has_list_of tells whether a list of parameters is given beside the id.
 bool has_list_of(const Json& problem, const std::vector<ParameterCard>& parameters, const Names& keys) {
   for (const auto& [name, entry] : problem.items()) {
     if (!entry.is_array() || std::ranges::find(keys, name) != keys.end()) continue;
@@ -213,7 +217,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     const bool typed = text && !text->known;
     Names keys = typed ? keys_of(card.parameters, {}) : keys_of(card.parameters, {"id", "preset"});
     if (typed) keys.insert(keys.end(), text::reserved_keys().begin(), text::reserved_keys().end());
-    if (typed && text->definition.vocabulary)  // sizes, which are part of what was made
+    if (typed && text->definition.vocabulary)  // sizes belong to the scene that was made
       keys.insert(keys.end(), text->definition.vocabulary->fixed.begin(), text->definition.vocabulary->fixed.end());
     Json elements;
     if (text && has_list_of(*json, card.parameters, keys)) json = &(elements = without_lists(*json, path, *text));
@@ -253,7 +257,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i > 0 && card.variables[i - 1].hidden) continue;
     const Json* json = find(*initial, names[i]);
-    const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: from the others
+    const bool follows = i > 0 && std::isnan(card.variables[i - 1].value);  // null: the value follows from the others
     if (json == nullptr || (follows && json->is_null())) continue;
     const auto value = read_number(*json, start.at(names[i]), i == 0 ? anywhere : card.variables[i - 1].range);
     if (value) (i == 0 ? scene.start : scene.initial[i - 1]) = *value;
@@ -319,7 +323,7 @@ std::vector<double> read_settings(const Json& json, const FieldPath& path, const
 void check_pair(const Cards& cards, const Scene& scene, std::size_t scheme, const FieldPath& path) {
   const ProblemCard& problem = scene.card();
   const SchemeCard& card = cards.schemes[scheme];
-  std::string why = objection_to_scheme(scene, card.id);  // which may depend on the parameters
+  std::string why = objection_to_scheme(scene, card.id);  // the reason may depend on the parameters
   if (why.empty() && std::find(problem.schemes.begin(), problem.schemes.end(), scheme) != problem.schemes.end()) return;
   if (!why.empty()) why.insert(0, ": ");
   Names fitting;

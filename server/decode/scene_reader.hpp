@@ -1,4 +1,4 @@
-// The first half of decoding: which problem from which start, and schemes with their settings.
+// The first half of decoding: the problem and its start, and schemes with their settings.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace least::server {
 
 inline Names names_of(std::span<const SchemeCard> cards) {
   Names names;
-  names.reserve(cards.size() + 1);  // and one that is not among them
+  names.reserve(cards.size() + 1);  // one more, for callers that add a name
   for (const auto& card : cards) names.push_back(card.id);
   return names;
 }
@@ -24,40 +24,42 @@ inline Names names_of(std::span<const std::shared_ptr<const Mechanics>> problems
   return names;
 }
 
-/// What `"kepler"` or `{"id": "kepler", …}` names, and where the name stands.
+/// NamedEntry is what `"kepler"` or `{"id": "kepler", …}` names, and the path of the name.
 struct NamedEntry {
   std::optional<std::size_t> index;
   FieldPath path;
 };
-/// `what` says what they are ("problem"); null where there is no value at all.
+/// read_entry reads one; `what` says what is named ("problem"). `json` is null where the request has no value.
 NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view what, const Names& ids);
 
-/// The problem of a request: of the catalogue, or a scene as text. Null after noting what is wrong.
+/// read_problem returns the problem of a request, from the catalogue or given as text; null after noting faults.
 std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath& top, const Cards& cards);
 
-/// The parameters and the start of a scene whose mechanics is known: card, then preset, then what the request says. The
-/// preset, if there is one. `velocities`: those of all coordinates, where the start says them or they are 0.
+/// read_scene reads parameters and start of a scene whose mechanics is set: defaults of the card, then of the preset,
+/// then the request. Returns the preset, or null. `velocities` receives those of all coordinates, where the start gives
+/// them or they are 0.
 const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scene,
                              std::vector<double>* velocities = nullptr);
 
-/// Whether the velocities of the start stay where another number of the scene changes, and not the momenta: as `holds`
-/// of `asked`, which stands at the path, says, or else the start. `both`: it may say either.
+/// holds_velocities tells whether the velocities of the start, not the momenta, stay fixed while another number
+/// changes: as `holds` of `asked` (at `path`) says, else as the start is given. `both`: `holds` may have either value.
 bool holds_velocities(const Json& root, const Json& asked, const FieldPath& path, const text::TextScene* text,
                       bool both = true);
 
-/// What a scene as text that was read without a fault has against its start. A start at a place where the mechanics is
-/// not finite, but the motion is, moves beside it.
+/// check_start notes the objections of a scene given as text to its start. A start where the mechanics is not finite,
+/// but the motion is, is moved slightly.
 void check_start(const Json& root, const FieldPath& top, Scene& scene);
 
-/// A scheme's settings: card, then what the problem (or the preset of its card) suggests, in the units of the scene,
-/// then the scheme's preset, then what the request says. `scene`, which has been read, and `preset` may be null.
+/// read_settings returns a scheme's settings: defaults of the card, then what the problem or its preset suggests, in
+/// the units of the scene, then the scheme's preset, then the request. `scene`, if not null, must have been read;
+/// `preset` may be null.
 std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card, const Scene* scene,
                                   const PresetCard* preset);
 
-/// Whether the scheme can run the problem; `path` is that of the scheme's name.
+/// check_pair notes a fault where the scheme cannot run the problem; `path` is that of the scheme's name.
 void check_pair(const Cards& cards, const Scene& scene, std::size_t scheme, const FieldPath& path);
 
-/// Settings that were read without a fault, for a pair that fits, and do not go together; `path` is the scheme's.
+/// check_settings notes settings that are valid each but do not go together; `path` is the scheme's.
 void check_settings(const SchemeCard& card, const ProblemCard& problem, const std::vector<double>& settings,
                     const FieldPath& path);
 

@@ -10,10 +10,10 @@
 namespace least::server {
 namespace {
 
-// What stands beside the columns in a section of an answer.
+// Names that a section of an answer has besides columns.
 constexpr std::string_view beside_points[] = {"member", "crossing", "period", "phase", "expression", "direction"};
 
-// Beside the period stands the phase: a time of the request, while the run's own goes forward.
+// read_period reads the period, and the phase, a time of the request that is converted to the run's forward time.
 void read_period(const Json& json, const FieldPath& path, const SchemeCard* scheme, Request& request,
                  Section& section) {
   if (find(json, "direction")) path.at("direction").fault("goes with expression", json["direction"]);
@@ -45,7 +45,7 @@ void read_section(const Json& root, const FieldPath& top, const SchemeCard* sche
   Names keys(std::begin(beside_points), std::end(beside_points));
   const std::size_t known = request.scene->card().columns.size() + request.measures.size();
   for (const std::size_t place : request.section_columns()) {
-    if (place >= known) continue;  // one that was refused
+    if (place >= known) continue;  // a column that was refused
     const std::string_view name = request.column(place).name;
     if (std::ranges::find(beside_points, name) != std::end(beside_points))
       path.lacks(std::string(name) + " is a column here, and what a section of an answer calls something else");

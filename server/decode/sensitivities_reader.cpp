@@ -22,7 +22,7 @@ constexpr std::string_view shape_of_sensitivities =
     "{\"by\": [\"/initial/x\", \"/problem/mu\"] or \"initial\", \"order\": 1, \"of\": \"motion\", "
     "\"at\": \"final|samples\", \"holds\": \"momenta|velocities\"}";
 
-// What may stand in `by`, as the answer names it.
+// Candidate is what `by` may contain, as the answer names it.
 struct Candidate {
   std::string pointer;
   Quantity quantity;
@@ -109,7 +109,7 @@ class ByReader {
   std::vector<Candidate> candidates_;
 };
 
-// All variables of the motion, with momenta, whatever the start is said in.
+// take_whole_start differentiates by all variables of the motion, in momenta however the start is given.
 void take_whole_start(const Scene& scene, SensitivitiesAsked& asked) {
   asked.whole_start = true;
   asked.keeps_velocities = false;
@@ -149,7 +149,7 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   const Json* const named = find(*json, "by");
   const bool moves_start_time =
       named && named->is_array() && std::ranges::find(*named, Json("/initial/t")) != named->end();
-  // Of the scheme's map where that has the derivatives which are asked for, unless the request says of what.
+  // By default the scheme's own map is differentiated where it has the requested derivatives.
   asked.of_scheme = equal_steps && asked.order == 1 && !acts && !moves_start_time && (by_steps || !asked.at_samples);
   const Json* const of = find(*json, "of");
   if (of) {

@@ -1,4 +1,4 @@
-// The member `sensitivities` of a run.
+// Reads the member `sensitivities` of a run.
 #pragma once
 
 #include "server/decode/field_reader.hpp"
@@ -6,10 +6,12 @@
 
 namespace least::server {
 
-/// `/problem/parameters/m` as `/problem/m`, `/problem/m/2` as `/problem/m[3]`: as answers name numbers of a request.
+/// pointer_in_one_way turns `/problem/parameters/m` into `/problem/m` and `/problem/m/2` into `/problem/m[3]`, the
+/// spelling of answers.
 std::string pointer_in_one_way(std::string pointer);
 
-/// Reads what derivatives are asked for, where the rest of the request has no fault. `scheme` may be that of `auto`.
+/// read_sensitivities reads which derivatives are asked for; the rest of the request must be without faults. `scheme`
+/// may be that of `auto`.
 void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard& scheme, SimulateRequest& decoded);
 
 }  // namespace least::server

@@ -18,7 +18,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   SimulateRequest decoded;
   Request& request = decoded.run;
 
-  if (root.is_null() && !faults.empty()) return faults;  // a bound was broken: there is nothing to read
+  if (root.is_null() && !faults.empty()) return faults;  // a limit was exceeded: there is nothing to read
   const Names keys{"problem", "initial", "scheme",      "until",  "record", "columns",
                    "section", "events",  "diagnostics", "limits", "norm",   "sensitivities"};
   if (!read_object(root, top, keys, "the request")) return faults;
@@ -58,7 +58,7 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   }
   if (faults.empty()) read_sensitivities(root, top, *scheme_card, decoded);
   if (!faults.empty()) return faults;
-  request.control = true;  // whatever diagnostics are asked for
+  request.control = true;  // the control run is made whichever diagnostics are asked for
   request.scheme = automatic ? 0 : *scheme.index;
   return decoded;
 }

@@ -1,4 +1,4 @@
-// JSON → least::Request: strict, with every fault at once.
+// JSON → least::Request: strict, and with all faults at once.
 #pragma once
 
 #include <cstdint>
@@ -21,18 +21,19 @@ struct Caps {
   std::int64_t samples = 10'000'000;
 };
 
-/// Samples a run keeps when the request does not say.
+/// The number of samples a run keeps by default.
 inline constexpr std::int64_t default_samples = 1000;
 
-/// A run, or, where there is a wish, a run whose scheme and settings are still to be chosen.
+/// SimulateRequest is a run; with a wish, its scheme and settings are still to be chosen.
 struct SimulateRequest {
   Request run;
   std::optional<Wish> wish;
   std::shared_ptr<const variations::SensitivitiesAsked> sensitivities;  ///< null: not asked for
 };
 
-/// Reads a request of POST /v1/simulate. Every value of the result lies within its card's range and the pair fits; what
-/// was left out has its default. Otherwise: all that is wrong. `known`: the problem, where it has been read before.
+/// decode reads a request of POST /v1/simulate. All values of the result are within the ranges of their cards, scheme
+/// and problem go together, and omitted members have their defaults; otherwise it returns all faults. `known` is the
+/// problem where it has been read before.
 Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, const Caps& caps,
                                        const std::shared_ptr<const Mechanics>& known = nullptr);
 

@@ -12,7 +12,7 @@
 namespace least::server {
 namespace {
 
-// What the requests of both studies hold: a scene and schemes for it, within a time.
+// StudyRequest is what requests of both studies have in common: a scene and schemes for it, within a time.
 struct StudyRequest {
   const ProblemCard* problem = nullptr;
   const PresetCard* preset = nullptr;
@@ -20,7 +20,7 @@ struct StudyRequest {
   std::vector<SchemeConfig> schemes;
 };
 
-// The settings with a composition, where the scheme takes it here.
+// add_composed adds the settings with a composition, where the scheme accepts it.
 void add_composed(const SchemeCard& card, const ProblemCard& problem, SchemeConfig choice, std::string_view composition,
                   std::vector<SchemeConfig>& all) {
   for (std::size_t i = 0; i < card.parameters.size(); ++i) {
@@ -32,7 +32,7 @@ void add_composed(const SchemeCard& card, const ProblemCard& problem, SchemeConf
   }
 }
 
-// Every scheme that fits, as it stands in its card and with the composition that it recommends.
+// add_all adds every applicable scheme, with its defaults and with the composition that it recommends.
 void add_all(const Cards& cards, const FieldPath& top, StudyRequest& study) {
   for (const auto index : study.problem->schemes) {
     const SchemeCard& card = cards.schemes[index];
@@ -72,7 +72,7 @@ void read_schemes(const Json& root, const FieldPath& top, const Cards& cards, St
   }
 }
 
-// The members that both requests have. False: there is nothing to read.
+// read_study reads the members that both requests have. False: there is nothing to read.
 bool read_study(const Json& root, const FieldPath& top, const Names& keys, const Cards& cards, const Caps& caps,
                 StudyRequest& study) {
   if (root.is_null() && !top.faults->empty()) return false;

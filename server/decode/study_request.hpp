@@ -1,4 +1,4 @@
-// JSON → what the studies of the core are asked for.
+// JSON → requests for the studies of the core.
 #pragma once
 
 #include <vector>
@@ -7,13 +7,13 @@
 
 namespace least::server {
 
-/// No request may ask for more schemes.
+/// Limit of schemes in a request.
 inline constexpr std::size_t most_schemes = 100;
 
-/// Reads a request of POST /v1/work-precision: all that is wrong, or a plan as sound as a decoded run.
+/// decode_work_precision reads a request of POST /v1/work-precision: a checked plan, or all faults.
 Result<StudyPlan, Faults> decode_work_precision(ParsedJson body, const Cards& cards, const Caps& caps);
 
-/// The question for the longest stable steps; the scene's `limits.seconds` are for all of it.
+/// StabilityPlan asks for the longest stable steps; `limits.seconds` of its scene is for all schemes together.
 struct StabilityPlan {
   Request scene;
   std::vector<SchemeConfig> schemes;

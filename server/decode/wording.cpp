@@ -34,7 +34,7 @@ struct Alias {
   std::string_view said, name;
 };
 
-// What other programs and books call things; no misspelling leads from these to ours.
+// Common names in other programs and books that are no misspellings of ours.
 constexpr Alias aliases[] = {
     {"rk4", "runge_kutta_4"},
     {"verlet", "leapfrog"},
@@ -81,7 +81,7 @@ std::string interval(const Range& range) {
 std::string listed(std::span<const std::string_view> names) {
   std::string list;
   for (const auto name : names) {
-    if (name.empty()) continue;  // what is not to be asked for
+    if (name.empty()) continue;  // names that are not offered
     if (!list.empty()) list += ", ";
     list += name;
   }

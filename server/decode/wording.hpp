@@ -1,4 +1,4 @@
-// Words of error messages: ranges, lists of names, "did you mean".
+// The words of error messages: ranges, lists of names, "did you mean".
 #pragma once
 
 #include <span>
@@ -21,11 +21,11 @@ std::string interval(const Range& range);
 /// `a, b, c`
 std::string listed(std::span<const std::string_view> names);
 
-/// The name that others call by this word (`rk4`, `dt`), else the one closest to a misspelt one, or empty when none is
-/// close. Case does not count, a swap of neighbours counts once.
+/// closest returns the name for which `word` is a common synonym (`rk4`, `dt`), else the name closest to a misspelt
+/// word; empty when none is close. Case is ignored, and a swap of neighbouring letters counts as one error.
 std::string_view closest(std::string_view word, std::span<const std::string_view> names);
 
-/// `; did you mean "leapfrog"?` or nothing.
+/// did_you_mean returns `; did you mean "leapfrog"?` or an empty text.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> names);
 
 }  // namespace least::server

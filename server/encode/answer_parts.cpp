@@ -17,7 +17,7 @@ void write_numbers(JsonWriter& json, const std::vector<double>& values) {
   json.close(']');
 }
 
-// A time of the run as the request has it.
+// told_time converts a time of the run to that of the request.
 double told_time(const Request& request, double t) { return goes_backward(*request.scene) ? 0 - t : t; }
 
 void write_limits(JsonWriter& json, const PlannedRun& run) {
@@ -44,7 +44,7 @@ std::string_view direction_name(const EventAsked& asked) {
   return event_directions[asked.direction > 0 ? 0 : asked.direction < 0 ? 1 : 2];
 }
 
-// But for the plane of a section, which is watched as events are.
+// Omits the plane of a section, which is watched like an event.
 void write_events_asked(JsonWriter& json, const Request& request) {
   json.open('[');
   for (std::size_t i = request.is_plane(0) ? 1 : 0; i < request.events.size(); ++i) {
@@ -237,13 +237,13 @@ void write_echo(JsonWriter& json, const PlannedRun& run, bool beside_findings) {
     write_section_asked(json, request);
     json.close('}');
   }
-  // A scene of the catalogue may have events of its own, which a request that says none would get again.
+  // If the request has no events, a problem of the catalogue would apply its own: the empty list is written, too.
   const text::TextScene* const text = forward_of(*request.scene).mechanics->text();
   if ((text && text->known) || request.events.size() > (request.is_plane(0) ? 1 : 0))
     write_events_asked(json.key(beside_findings ? "events_asked" : "events"), request);
   write_limits(json.key("limits"), run);
   write_norm(json, request);
-  // Where what was found stands under this name, it says what was asked for, too.
+  // Among the results a member of this name exists, which includes the request.
   if (run.sensitivities && !beside_findings) write_sensitivities_asked(json.key("sensitivities"), *run.sensitivities);
 }
 
@@ -264,7 +264,8 @@ void write_final(JsonWriter& json, const PlannedRun& run, const Solution& outcom
   json.open('{').key("t").number(outcome.t);
   for (std::size_t i = 0; i < run.problem.variables.size() && i < outcome.final.size(); ++i) {
     if (run.problem.variables[i].hidden) continue;
-    if (run.problem.variables[i].optional && !std::isfinite(outcome.final[i])) continue;  // not carried
+    // s, where the run did not carry it
+    if (run.problem.variables[i].optional && !std::isfinite(outcome.final[i])) continue;
     json.key(run.problem.variables[i].name).number(outcome.final[i]);
   }
   json.close('}');

@@ -20,13 +20,13 @@ void write_named(JsonWriter& json, const std::vector<NamedValue>& values) {
   json.close('}');
 }
 
-// NaN suggests nothing.
+// NaN means that nothing is suggested.
 void write_suggested(JsonWriter& json, std::vector<NamedValue> values) {
   std::erase_if(values, [](const NamedValue& suggestion) { return std::isnan(suggestion.second); });
   write_named(json, values);
 }
 
-// The values that a preset names, as a request spells them.
+// Writes the values of a preset, as a request spells them.
 void write_settings(JsonWriter& json, const std::vector<ParameterCard>& cards, const std::vector<NamedValue>& values) {
   json.open('{');
   for (const auto& card : cards) {
@@ -42,7 +42,7 @@ std::string_view type_of(Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-// An end that is infinite is null: there is none.
+// Infinite bounds become null.
 void write_range(JsonWriter& json, const Range& range) {
   json.key("minimum").number(range.low).key("maximum").number(range.high);
   json.key("exclusive_minimum").boolean(range.low_open).key("exclusive_maximum").boolean(range.high_open);
@@ -67,7 +67,7 @@ void write_parameter_cards(JsonWriter& json, const std::vector<ParameterCard>& c
   for (const auto& card : cards) write_parameter_card(json, card);
 }
 
-// What auto is asked to keep: the one parameter that is a list of names.
+// Writes the parameter `keep` of `auto`, the only one that is a list of names.
 void write_keep_card(JsonWriter& json) {
   json.open('{').key("name").text("keep").key("symbol").text("").key("doc").text("what the scheme must keep");
   json.key("unit").text("1").key("type").text("list").key("default").open('[').close(']');
@@ -107,7 +107,7 @@ void write_quantities(JsonWriter& json, const std::vector<QuantityCard>& quantit
   }
 }
 
-// What texts of a scene may say, and how much.
+// Writes what texts of a scene may contain, and their limits.
 void write_language(JsonWriter& json) {
   json.key("language").open('{').key("functions").open('[');
   for (const auto function : text::function_names()) json.text(function);
@@ -131,8 +131,8 @@ void write_language(JsonWriter& json) {
   json.close('}').close('}');
 }
 
-// What was found in a scene as text; of one of the catalogue also that text, as a request gives it, while its equations
-// are told where they are asked for alone, by POST /v1/problems: of many bodies they are long.
+// Writes what was recognised in a scene given as text; for a problem of the catalogue also its text, as a request gives
+// it. Equations are written only for POST /v1/problems, as they are long with many bodies.
 void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equations) {
   const text::Form& form = *scene.form;
   json.key("form").open('{').key("kind").text(text::form_names[static_cast<std::size_t>(form.kind)]);
@@ -154,7 +154,7 @@ void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equati
   json.close('}');
 }
 
-// What is not 0 of it; null where a motion cannot begin at any start that was looked at.
+// Writes the coordinates that are not 0; null where no start was found at which a motion can begin.
 void write_start(JsonWriter& json, const ProblemCard& card, const PossibleStart& start) {
   if (!start) return (void)json.null();
   json.open('{');
@@ -218,7 +218,7 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
   json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
   write_order(json.key("order"), card);
   json.key("implicit").boolean(card.implicit).key("symmetric").boolean(card.symmetric);
-  const bool keeps_volume = card.structure == "volume";  // which is no form
+  const bool keeps_volume = card.structure == "volume";  // volume is not a conserved form
   json.key("structure").text(keeps_volume ? "none" : card.structure);
   json.key("keeps_volume").boolean(keeps_volume);
   json.key("parameters").open('[');

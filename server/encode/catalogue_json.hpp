@@ -1,4 +1,4 @@
-// The catalogue as JSON, made once from the cards.
+// The catalogue as JSON, generated once from the cards.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace least::server {
 
-/// JSON texts, ready to be sent.
+/// CatalogueText holds complete JSON texts.
 struct CatalogueText {
   std::string all;                                                    ///< {"version", "problems", "schemes"}
   std::map<std::string, std::string, std::less<>> problems, schemes;  ///< by id
@@ -19,11 +19,11 @@ struct CatalogueText {
 
 CatalogueText describe(const Cards& cards);
 
-/// Of the coordinates of a scene as text, where a motion can begin at rest.
+/// A start from which a motion can begin at rest, by coordinate of a scene given as text; nothing where none was found.
 using PossibleStart = std::optional<std::vector<double>>;
 
-/// The card of one problem; of a scene as text with its form and its equations, and with `start`, where that is no null
-/// pointer.
+/// describe_problem returns the card of one problem; for a scene given as text with its form and equations, and with
+/// `start` if that pointer is not null.
 std::string describe_problem(const Mechanics& problem, const PossibleStart* start = nullptr);
 
 }  // namespace least::server

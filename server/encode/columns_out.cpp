@@ -11,7 +11,7 @@ namespace least::server {
 static_assert(std::endian::native == std::endian::little, "append_binary would have to turn the bytes around");
 
 void append_numbers(std::string& out, const Strided& values, bool first) {
-  char block[8192];  // stays in the cache
+  char block[8192];  // small enough for the cache
   char* at = block;
   for (std::size_t i = values.first; i < values.numbers.size(); i += values.stride) {
     if (at > block + sizeof block - longest_number - 1) {

@@ -49,7 +49,7 @@ void write_histogram_asked(JsonWriter& json, const HistogramAsked& asked) {
   json.key("range").open('[').number(asked.low).number(asked.high).close(']').key("bins").integer(asked.bins);
 }
 
-// The request with all defaults filled in, but for what shares its name with a result.
+// The request with all defaults, except for members that share their name with a result.
 void write_ensemble_echo(JsonWriter& json, const EnsemblePlan& plan, const Cards& cards) {
   const Request& request = plan.request;
   json.key("version").text(version);
@@ -88,7 +88,8 @@ void write_statistics(JsonWriter& json, const EnsemblePlan& plan, const Harvest&
       const bool some = moments.count > 0;
       json.key(column_of(plan, k).name).open('{').key("mean");
       some ? json.number(moments.mean) : json.null();
-      json.key("variance").number(moments.variance());  // null where it is no number, as the extremes of none
+      // NaN is written as null, also for the extremes where there are no values
+      json.key("variance").number(moments.variance());
       json.key("minimum").number(moments.minimum).key("maximum").number(moments.maximum).close('}');
     }
     json.close('}');
@@ -126,7 +127,7 @@ void add_points(TextPieces& pieces, const EnsemblePlan& plan, const SectionPoint
   pieces.add_list("crossing", false, points.crossing);
   pieces.add_list("t", false, Strided{points.t, 0, 1});
   for (std::size_t k = 0; k < columns; ++k) {
-    if (column_of(plan, k).name == "t") continue;  // a section has its own
+    if (column_of(plan, k).name == "t") continue;  // a section has a column t of its own
     pieces.add_list(column_of(plan, k).name, false, Strided{points.values, k, columns});
   }
   pieces.add(false, [](JsonWriter& json) { json.close('}'); });
@@ -164,7 +165,7 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
   write_warnings(json.key("warnings"), warnings);
 }
 
-// An object, in JSON on a line.
+// An object; in JSON a line.
 template <class WriteMembers>
 std::string ensemble_line(WriteMembers write_all) {
   std::string text;

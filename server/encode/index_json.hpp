@@ -1,4 +1,4 @@
-// Where things are: lists of ids with titles and links. Each is a text that is made once.
+// Lists of ids with titles and links, generated once.
 #pragma once
 
 #include <string>

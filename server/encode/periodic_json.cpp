@@ -21,7 +21,7 @@ void write_initial(JsonWriter& json, const Scene& scene) {
   json.close('}');
 }
 
-// How it was asked for: family and manifolds are told by what was found of them.
+// Writes the question; family and manifolds are part of the results.
 void write_question(JsonWriter& json, const Question& question) {
   const auto& variables = question.scene->card().variables;
   json.key("fixed").open('[');
@@ -87,7 +87,7 @@ void write_member(JsonWriter& json, const Member& member) {
   kind == 0 ? json.null() : json.text(periodic::bifurcation_names[kind]);
 }
 
-// All that was found but the members of the family and the curves of manifolds.
+// Writes all results except the members of the family and the curves of manifolds.
 void write_found(JsonWriter& json, const Question& question, const periodic::Answer& found) {
   json.key("version").text(version).key("status").text(found.closed ? "closed" : "not_closed");
   if (!found.closed) json.key("reason").text(found.reason);
@@ -113,7 +113,7 @@ void write_curve(JsonWriter& json, const Orbit& orbit, const periodic::Manifold:
   json.close('}');
 }
 
-// A manifold in as many pieces as it has curves, and one more, which opens it; the last closes it.
+// A manifold has a piece for each curve, and one before them that opens it; the last one closes it.
 std::size_t pieces_of(const periodic::Manifold& manifold) { return manifold.curves.size() + 1; }
 void write_piece(const Orbit& orbit, const periodic::Manifold& manifold, std::size_t piece, bool first,
                  std::string& out) {

@@ -1,4 +1,4 @@
-// Closed orbits → bytes.
+// Closed orbits as bytes.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace least::server {
 
-/// `application/json`: appends the next piece; false: it was the last.
+/// encode_orbit appends piece number `piece` of the `application/json` answer; false: it was the last.
 bool encode_orbit(const periodic::Question& question, const periodic::Answer& found, std::size_t piece,
                   std::string& out);
 
-/// `application/x-ndjson`: the first line, the scene and what was asked for; one for each member of the family; and the
-/// last one, with all of the answer but the family.
+/// `application/x-ndjson`: the first line has the scene and the question, further lines a member of the family each,
+/// and the last line the answer without the family.
 std::string orbit_head_line(const periodic::Question& question);
 std::string orbit_member_line(const periodic::Member& member);
 std::string orbit_end_line(const periodic::Question& question, const periodic::Answer& found);

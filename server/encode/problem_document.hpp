@@ -8,10 +8,10 @@
 
 namespace least::server {
 
-/// An error answer; `detail` may be empty.
+/// problem_document returns an error answer; `detail` may be empty.
 Answer problem_document(int status, std::string_view detail, std::string_view request_id);
 
-/// 422 with every fault.
+/// The overload with faults returns 422 with every fault.
 Answer problem_document(const Faults& faults, std::string_view request_id);
 
 }  // namespace least::server

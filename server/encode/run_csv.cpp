@@ -6,9 +6,9 @@
 namespace least::server {
 namespace {
 
-constexpr std::size_t longest_field = 4096;  // what common clients and proxies take in one field
+constexpr std::size_t longest_field = 4096;  // as much as common clients and proxies accept in a field
 
-// Whether the lines are points of a section: where there is no trajectory.
+// is_of_points tells whether the lines are points of a section, as there is no trajectory.
 bool is_of_points(const FinishedRun& run) {
   const Record& record = run.request.record;
   return run.points && record.mode == Record::Mode::every && record.count == 0;
@@ -18,7 +18,7 @@ std::vector<std::size_t> columns_of(const FinishedRun& run) {
   return is_of_points(run) ? run.request.section_columns() : run.request.columns;
 }
 
-// Calls see(name, value) for every part of the answer that is no sample, the value one line of plain ASCII.
+// Calls see(name, value) for every part of the answer besides the samples; the value is one line of ASCII.
 template <class See>
 void for_each_part(const FinishedRun& run, See see) {
   const Solution& outcome = run.outcome;
@@ -63,7 +63,7 @@ void write_row(std::string& text, const std::vector<const std::vector<std::strin
   }
 }
 
-// `d(x)/d(mu)`: of each component by each quantity, as the derivatives of a sample stand in their list.
+// Writes `d(x)/d(mu)`, component by component and then by quantity, the order in a sample's list.
 void write_names_of_slopes(std::string& text, const FoundSensitivities& of) {
   for (const std::string& row : of.found.rows)
     for (const std::string& by : of.asked.names)
@@ -79,7 +79,7 @@ void write_slopes(std::string& text, const FoundSensitivities& of, std::size_t s
   }
 }
 
-// A line of names and the samples.
+// A piece for the line of names, then the slices of samples.
 std::size_t pieces_of_table(const FinishedRun& run) { return 1 + rows_of(run).slices(); }
 
 void write_csv(const FinishedRun& run, std::size_t piece, std::string& out) {

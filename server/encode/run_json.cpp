@@ -8,7 +8,8 @@
 namespace least::server {
 namespace {
 
-// The members after the trajectory, up to the sensitivities; all forms but CSV end with them, these and the warnings.
+// Writes the members between trajectory and sensitivities; in all formats but CSV the answer ends with them, the
+// sensitivities and the warnings.
 void write_findings(JsonWriter& json, const PlannedRun& run, const Solution& outcome) {
   write_final(json.key("final"), run, outcome);
   write_reports(json.key("diagnostics"), outcome.diagnostics);
@@ -23,8 +24,8 @@ void write_status(JsonWriter& json, const Solution& outcome) {
   if (!outcome.event.empty()) write_end(json.key("end"), outcome);
 }
 
-// Rows that are written column by column; they lie row by row in memory. Where there are none, a piece opens and closes
-// each column.
+// Table is row-major rows that are written column by column. Where there are no rows, one piece opens and closes each
+// column.
 struct Table {
   const KeptRows& rows;
   const std::vector<const ColumnCard*>& cards;
@@ -36,7 +37,7 @@ struct Table {
 Table samples_of(const FinishedRun& run) { return {run.samples, run.columns}; }
 Table points_of(const FinishedRun& run) { return {*run.points, run.point_columns}; }
 
-// `first`: of the first column, whether nothing stands before it.
+// `first`: the first column is the first member of the open object.
 void write_column(const Table& table, std::size_t piece, bool first, std::string& out, Notation notation) {
   const std::size_t column = piece / table.slices(), slice = piece % table.slices();
   const ColumnCard& card = *table.cards[column];
@@ -59,14 +60,14 @@ void write_column(const Table& table, std::size_t piece, bool first, std::string
   if (slice + 1 == table.slices() && !packed) json.close(']');
 }
 
-// The numbers of the points in a slice, from 0.
+// Writes the numbers of the points in a slice, counted from 0.
 void write_crossings(const KeptRows& points, std::size_t slice, JsonWriter& json) {
   const auto from = static_cast<std::int64_t>(points.rows_before(slice));
   const auto count = slice < points.slices() ? std::ssize(points.slice(slice)) / std::int64_t(points.columns()) : 0;
   for (std::int64_t i = 0; i < count; ++i) json.integer(from + i);
 }
 
-// A section stands between a piece that opens it and the last one, its crossings before its columns.
+// A section is a piece that opens it, then its crossings and its columns; the piece after them closes it.
 std::size_t pieces_of_section(const FinishedRun& run) {
   if (run.points == nullptr) return 0;
   const Table points = points_of(run);
@@ -86,7 +87,7 @@ void write_section(const FinishedRun& run, std::size_t piece, std::string& out, 
   if (piece == points.slices()) json.close(']');
 }
 
-// Sensitivities at samples stand between a piece that opens their list and the last one, some of them in each.
+// Sensitivities at samples: a piece that opens their list, some samples in each piece, and a piece that closes it.
 std::size_t samples_in_a_piece(const FinishedRun& run) {
   constexpr std::size_t numbers = 8192;
   return std::max<std::size_t>(numbers / std::max<std::size_t>(run.found->found.final.size(), 1), 1);
@@ -97,12 +98,12 @@ std::size_t pieces_of_slopes(const FinishedRun& run) {
   return 1 + (run.found->found.samples.size() + count - 1) / count;
 }
 
-// The trajectory stands between a piece with all before it and one with all after it.
+// The trajectory, with a piece before it and a piece after it.
 std::size_t pieces_of(const FinishedRun& run) {
   return 2 + samples_of(run).pieces() + pieces_of_section(run) + pieces_of_slopes(run);
 }
 
-// Of those after the trajectory and the section.
+// Writes one of the pieces after trajectory and section.
 void write_after(const FinishedRun& run, std::size_t piece, std::string& out, Notation notation) {
   const std::size_t last = pieces_of_slopes(run), count = last > 0 ? samples_in_a_piece(run) : 0;
   JsonWriter json(out, notation, piece == 1 && last > 1);
@@ -162,7 +163,7 @@ std::string run_head_line(const PlannedRun& run) {
 
 namespace {
 
-// Columns of rows that lie side by side, as members of the object that is open.
+// Writes columns of row-major rows, as members of the open object.
 void write_rows(JsonWriter& json, const std::vector<const ColumnCard*>& cards, std::span<const double> rows) {
   for (std::size_t column = 0; column < cards.size(); ++column) {
     const ColumnCard& card = *cards[column];

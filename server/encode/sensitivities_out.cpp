@@ -8,7 +8,7 @@ namespace {
 
 using variations::SensitivitiesAsked;
 
-// A list for each row; null where nothing was found.
+// Writes a list for each row; null where nothing was found.
 void write_slopes(JsonWriter& json, const variations::Slopes& slopes, std::size_t rows) {
   if (slopes.empty()) {
     json.null();
@@ -49,7 +49,7 @@ void write_sensitivities_asked(JsonWriter& json, const SensitivitiesAsked& asked
 
 namespace {
 
-// What stands before the samples.
+// Writes the members before the samples.
 void write_beginning(JsonWriter& json, const FoundSensitivities& of) {
   const variations::Sensitivities& found = of.found;
   const std::size_t rows = found.rows.size();
@@ -66,7 +66,7 @@ void write_beginning(JsonWriter& json, const FoundSensitivities& of) {
   }
 }
 
-// What stands after them.
+// Writes the members after the samples.
 void write_ending(JsonWriter& json, const FoundSensitivities& of) {
   const variations::Sensitivities& found = of.found;
   json.key("events").open('[');

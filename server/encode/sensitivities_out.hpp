@@ -6,13 +6,13 @@
 
 namespace least::server {
 
-/// As a request spells it.
+/// write_sensitivities_asked writes them as a request spells them.
 void write_sensitivities_asked(JsonWriter& json, const variations::SensitivitiesAsked& asked);
-/// With all that was found; `with_samples`: and with what was found at samples.
+/// write_sensitivities writes all that was found, `with_samples` including the derivatives at samples.
 void write_sensitivities(JsonWriter& json, const FoundSensitivities& found, bool with_samples = true);
 
-/// The same one after the other: what stands before the samples, with the bracket that opens them, some of them, and
-/// what stands after them. Nothing of the samples but the numbers is kept for that.
+/// The same in parts: the members before the samples with the opening bracket of their list, the samples [from, to),
+/// and the members after them. No text of the samples has to be kept.
 void begin_sensitivities(JsonWriter& json, const FoundSensitivities& found);
 void write_samples(JsonWriter& json, const FoundSensitivities& found, std::size_t from, std::size_t to);
 void end_sensitivities(JsonWriter& json, const FoundSensitivities& found);

@@ -11,7 +11,8 @@ void write(JsonWriter& json, const Cards& cards, const SchemeConfig& choice) {
   write_scheme(json, cards.schemes[choice.scheme], choice.settings);
 }
 
-// The scheme as it ran for a point: with the setting that was varied; the step in time goes along with θ.
+// ran returns the scheme as it ran for a point: with the value of the varied setting; the time step is scaled along
+// with θ.
 SchemeConfig ran(const Cards& cards, const StudyCurve& curve, const StudyPoint& point) {
   SchemeConfig choice = curve.scheme;
   const auto& parameters = cards.schemes[choice.scheme].parameters;
@@ -33,7 +34,7 @@ void write_point(JsonWriter& json, const StudyPoint& point) {
   json.key("status").text(name(point.status)).close('}');
 }
 
-// The points between are left out of a line whose reader has had them.
+// `points` is false for the last line of NDJSON, whose reader has received them.
 void write_curves(JsonWriter& json, const PlanWithCards& planned, const least::Study& study, bool points) {
   json.open('[');
   for (const StudyCurve& curve : study.curves) {
@@ -105,7 +106,7 @@ void write_findings(JsonWriter& json, const PlanWithCards& planned, const least:
   write_status(json, end == ReturnCode::completed ? study.stop : end);
 }
 
-// An object on a line.
+// An object as a line.
 template <class WriteMembers>
 std::string line(WriteMembers write_members) {
   std::string text;

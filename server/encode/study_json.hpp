@@ -1,4 +1,4 @@
-// Studies → bytes.
+// Studies as bytes.
 #pragma once
 
 #include <span>
@@ -11,22 +11,22 @@
 
 namespace least::server {
 
-/// What was asked for, and the cards that name things.
+/// PlanWithCards is what was asked for, with the cards that name problems and schemes.
 struct PlanWithCards {
   const StudyPlan& plan;
   Cards cards;
 };
 
-/// `application/json`: the whole answer. `end` is other than completed where it was cut short.
+/// `application/json`: the whole answer. `end` says why the study was cut short, if it was.
 std::string encode_study(const PlanWithCards& planned, const least::Study& study, ReturnCode end);
 
-/// `application/x-ndjson`: the first line (the echo, the reference and what it can say), one per point (the newest of a
-/// curve), and the last (the rest).
+/// `application/x-ndjson`: the first line (the echo, and what is known of the reference), a line per point (the newest
+/// of its curve), and the last line (the rest).
 std::string encode_study_head(const PlanWithCards& planned, const least::Study& study);
 std::string encode_study_point(const PlanWithCards& planned, std::size_t index, const StudyCurve& curve);
 std::string encode_study_end(const PlanWithCards& planned, const least::Study& study, ReturnCode end);
 
-/// The limits that were found, of the first schemes that were asked for.
+/// StabilityFindings are the limits found so far, in the order of the schemes that were asked for.
 struct StabilityFindings {
   const Request& scene;
   const std::vector<SchemeConfig>& schemes;
@@ -34,7 +34,7 @@ struct StabilityFindings {
   Cards cards;
 };
 
-/// `application/json`: the limits, and the schemes that no time was left for.
+/// `application/json`: the limits, and the schemes for which no time was left.
 std::string encode_stability(const StabilityFindings& findings, ReturnCode end);
 
 }  // namespace least::server

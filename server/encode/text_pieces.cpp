@@ -69,7 +69,7 @@ void TextPieces::write_lists(JsonWriter& json, const Strided& column, const std:
 }
 
 bool TextPieces::operator()(std::string& out) {
-  constexpr std::size_t enough = 64 * 1024;  // bytes: short ones leave together
+  constexpr std::size_t enough = 64 * 1024;  // bytes; short pieces are sent together
   const std::size_t before = out.size();
   while (next_ < pieces_.size() && out.size() - before < enough) pieces_[next_++](out);
   return next_ < pieces_.size();

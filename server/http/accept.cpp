@@ -10,7 +10,7 @@ namespace {
 
 bool same(std::string_view a, std::string_view b) { return lowered(a) == lowered(b); }
 
-// Cuts `s` at the first separator and returns what stood before it.
+// cut removes the text up to the first separator from `s` and returns it.
 std::string_view cut(std::string_view& s, char separator) {
   const auto at = std::min(s.find(separator), s.size());
   const auto head = s.substr(0, at);
@@ -30,7 +30,7 @@ double weight(std::string_view parameters) {
   return 1;
 }
 
-// How exactly a media range names a type: 0 not at all, 1 `*/*`, 2 `text/*`, 3 `text/csv`.
+// precision returns how exactly a media range matches a type: 0 not at all, 1 `*/*`, 2 `text/*`, 3 `text/csv`.
 int precision(std::string_view range, std::string_view type) {
   if (range == "*/*" || range == "*") return 1;
   if (same(range, type)) return 3;
@@ -42,7 +42,7 @@ int precision(std::string_view range, std::string_view type) {
 }  // namespace
 
 std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offered) {
-  const bool asks_nothing = accept.find_first_not_of(" \t,") == accept.npos;  // empty elements count for nothing
+  const bool asks_nothing = accept.find_first_not_of(" \t,") == accept.npos;  // empty elements do not count
   if (asks_nothing) return offered.empty() ? std::nullopt : std::optional<std::size_t>(0);
   std::optional<std::size_t> best;
   double most = 0;

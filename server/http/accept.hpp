@@ -8,8 +8,8 @@
 
 namespace least::server {
 
-/// Position of the offered media type that an `Accept` value likes best; equals are decided by the order of the offer.
-/// An empty value takes anything. Nothing: no offer is acceptable.
+/// negotiate returns the index of the offered media type that an `Accept` value prefers; ties are decided by the order
+/// of the offer. An empty value accepts anything. Nothing: no offer is acceptable.
 std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offered);
 
 }  // namespace least::server

@@ -10,9 +10,9 @@
 namespace least::server {
 namespace {
 
-constexpr double fading = 30;      // seconds after which a second of computing counts e times less
+constexpr double fading = 30;      // seconds after which a second of computing counts 1/e
 constexpr double a_while = 0.1;    // seconds
-constexpr double forgetful = 0.1;  // what the latest run counts in a mean
+constexpr double forgetful = 0.1;  // weight of the latest run in a mean
 
 }  // namespace
 
@@ -86,7 +86,7 @@ void Admission::wait(const AccountPtr& account, std::chrono::milliseconds most, 
   Turns its_turn{nullptr};
   {
     const std::lock_guard lock(mutex_);
-    Client& own = client_of(account->address());  // nothing is thrown from here on
+    Client& own = client_of(account->address());  // nothing throws from here on
     introduce(*account, own, now);
     const double rank = newcomer.front().rank = account->rank_;
     const bool room = running_ < places_ && waiting_ == 0;
@@ -102,7 +102,7 @@ void Admission::wait(const AccountPtr& account, std::chrono::milliseconds most, 
   run(std::move(calls));
 }
 
-// Behind those of its client who computed no more than it did.
+// Behind those waiters of its client whose connections have computed no more.
 void Admission::line_up(Client& client, Waiters& newcomer, Turns& its_turn) noexcept {
   its_turn.front() = &client;
   if (client.waiting.empty()) turns_.splice(turns_.end(), its_turn);
@@ -117,7 +117,8 @@ void Admission::look() {
   Waiters calls;
   {
     const std::lock_guard lock(mutex_);
-    double soonest = running_ < places_ ? 0 : std::numeric_limits<double>::infinity();  // when a place comes free
+    // when a place is expected to become free
+    double soonest = running_ < places_ ? 0 : std::numeric_limits<double>::infinity();
     for (const Place& place : used_)
       if (!place.parked) soonest = std::min(soonest, told_left(place, now));
     if (used_.empty()) soonest = 0;
@@ -253,14 +254,15 @@ void Admission::readmit(Place& place) noexcept {
   ++running_, ++place.client->running;
 }
 
-// Gives free places to those who wait.
+// admit_waiting gives free places to those who wait.
 void Admission::admit_waiting(Waiters& calls) noexcept {
   while (running_ < places_ && !turns_.empty() && !closed_) {
     const auto turn = next();
     Client& client = **turn;
     auto chosen = client.waiting.begin();
-    // Every other turn of an address is that of the request that has waited longest: a connection that computed more
-    // than others, or was charged for what else the machine did, does not wait until all others have computed as much.
+    // Every other turn of an address goes to the request that has waited longest: otherwise a connection that computed
+    // more than others, or was charged for other load of the machine, would wait until all others have computed as
+    // much.
     if (client.longest_is_next && !chosen->resumes)
       chosen = std::min_element(client.waiting.begin(), client.waiting.end(),
                                 [](const Waiter& a, const Waiter& b) { return a.from < b.from; });
@@ -283,7 +285,7 @@ void Admission::admit_waiting(Waiters& calls) noexcept {
   }
 }
 
-// Whose turn it is: the first of those who hold less than their share; where all have it, the first.
+// next() returns the client whose turn it is: the first that holds less than its share; if none does, the first.
 Admission::Turns::iterator Admission::next() {
   const unsigned share = (places_ + 1) / 2;
   const auto entitled =
@@ -291,8 +293,8 @@ Admission::Turns::iterator Admission::next() {
   return entitled == turns_.end() ? turns_.begin() : entitled;
 }
 
-// Dismisses the last request of the client that has most in the queue, if that is more than the newcomer would have, or
-// that of the newcomer's own client if its connection computed more than the newcomer's.
+// make_room removes the last request of the client with most requests in the queue, if that is more than the newcomer
+// would have; else the last one of the newcomer's own client, if its connection has computed more than the newcomer's.
 bool Admission::make_room(const Client& newcomer, double rank, Waiters& calls) {
   const auto most = std::max_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
     return a.second.waiting.size() < b.second.waiting.size();
@@ -314,7 +316,8 @@ double Admission::clock(Clock::time_point now) const {
   return std::chrono::duration<double>(now - epoch_).count() / fading;
 }
 
-// Nobody gains by a new connection for each request, and a new client need not wait for all others.
+// A new account starts at the mean of those waiting: nobody gains by a new connection for each request, and a new
+// client need not wait for all others.
 void Admission::introduce(Account& account, const Client& client, Clock::time_point now) const {
   if (account.known_) return;
   account.known_ = true;
@@ -337,8 +340,9 @@ void Admission::add(Account& account, double seconds, Clock::time_point now) con
   account.rank_ = std::log(std::exp(account.rank_ - clock(now)) + seconds) + clock(now);
 }
 
-// Seconds that a run goes on by its own word: where its limit is beyond what others wait for, whoever set it knew why.
-// Then as far as such runs have used theirs, once it has gone on for a while without a rest; else 0.
+// told_left returns the remaining seconds of a run with a limit beyond `patience`, whose author must have known why:
+// the usual fraction of such limits, less the time taken, once the run has gone on for a while without being parked;
+// else 0.
 double Admission::told_left(const Place& place, Clock::time_point now) const {
   const double taken = seconds_of(place, now);
   const bool is_long = std::isfinite(place.limit) && place.limit > std::chrono::duration<double>(patience).count() &&
@@ -346,8 +350,8 @@ double Admission::told_left(const Place& place, Clock::time_point now) const {
   return is_long ? std::max(kept_ * place.limit - taken, 0.0) : 0;
 }
 
-// Seconds that a run is expected to go on: until it has taken as long as runs take, or once more what it has taken, and
-// no longer than its limit lets it; or as it says itself.
+// left_of returns the expected remaining seconds of a run: it ends at the mean duration, or after twice the time taken,
+// or as told_left says, and at its limit at the latest.
 double Admission::left_of(const Place& place, Clock::time_point now) const {
   if (place.beside) return 0;  // it is given back as soon as somebody waits
   const double taken = seconds_of(place, now);
@@ -355,10 +359,11 @@ double Admission::left_of(const Place& place, Clock::time_point now) const {
   return std::max(std::min(expected, place.limit) - taken, 0.0);
 }
 
-// In seconds, for one of a client and a rank: of every other client as many are served before it as of its own.
+// expected_wait returns the seconds for a client and a rank, assuming that as many requests of every other client are
+// served before it as of its own.
 double Admission::expected_wait(const Client* client, double rank, Clock::time_point now) const {
   if (places_ == 0) return 0;
-  std::size_t own = 0, ahead = 1;  // itself
+  std::size_t own = 0, ahead = 1;  // the request itself
   if (client) {
     own = static_cast<std::size_t>(std::count_if(client->waiting.begin(), client->waiting.end(),
                                                  [&](const Waiter& waiter) { return waiter.rank <= rank; }));
@@ -367,7 +372,7 @@ double Admission::expected_wait(const Client* client, double rank, Clock::time_p
   ends_.clear();
   for (const Place& place : used_)
     if (!place.parked) ends_.push_back(left_of(place, now));
-  ends_.resize(places_, 0);  // those that are free
+  ends_.resize(places_, 0);  // free places
   std::make_heap(ends_.begin(), ends_.end(), std::greater<>());
   for (;;) {
     std::pop_heap(ends_.begin(), ends_.end(), std::greater<>());

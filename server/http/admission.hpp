@@ -1,5 +1,4 @@
-// Who computes, and who waits for it: a bounded number of runs at once and a bounded queue, in which clients take
-// turns.
+// Admission control: a bounded number of runs at once, and a bounded queue in which clients take turns.
 #pragma once
 
 #include <chrono>
@@ -21,7 +20,7 @@ namespace least::server {
 
 class Metrics;
 
-/// Who asks: a connection, of an address. What it computed lately counts.
+/// Account is the client of a connection, with its address and a measure of its recent computing time.
 class Account {
  public:
   explicit Account(std::string address) : address_(std::move(address)) {}
@@ -31,18 +30,19 @@ class Account {
   friend class Admission;
 
   const std::string address_;
-  // The logarithm of the seconds that it computed, each fading as time goes by, plus that time in units of the fading:
-  // the same at all times, so that accounts are compared as they stand.
+  // The logarithm of the seconds that it computed, each weighted by e^(−age/fading), plus now/fading. This sum does not
+  // change while nothing is computed, so that accounts can be compared at any time.
   double rank_ = -std::numeric_limits<double>::infinity();
   bool known_ = false;  // has asked before
 };
 using AccountPtr = std::shared_ptr<Account>;
 
-/// Addresses are served round robin; of one address by turns the connection that computed least of late, a new one
-/// counting as the mean of those that wait, and the request that has waited longest. While others wait, an address
-/// holds at most half of the places, rounded up. Where the queue is full, the address with most in it gives way to one
-/// with less, and within an address who computed more. Where memory is out, who asks is told so by an exception and
-/// nothing has changed; to give a turn back, to admit and to refuse take none.
+/// Admission. Addresses are served round robin; within an address, alternately the connection that has computed the
+/// shortest time of late (a new one counts as the mean of those waiting) and the request that has waited longest. While
+/// others wait, an address holds at most half of the places, rounded up. When the queue is full, the address with most
+/// requests in it loses one to an address with fewer, and within an address the connection that computed more loses.
+/// When memory is short, entering throws and changes nothing; giving back a place, admitting and refusing need no
+/// memory.
 class Admission {
   struct Client;
   struct Place;
@@ -50,21 +50,21 @@ class Admission {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// So long a request waits for its turn: longer than most runs take, shorter than what clients and proxies wait for.
+  /// How long a request waits for its turn at most: longer than most runs take, shorter than clients and proxies wait.
   static constexpr std::chrono::seconds patience{10};
 
-  /// `places` runs at once, `queue` more that wait. What happens is counted in `metrics`, where there are any. `now`
-  /// tells the time, and may not throw.
+  /// `places` runs at once, and `queue` more waiting. Events are counted in `metrics`, if given. `now` returns the time
+  /// and must not throw.
   Admission(unsigned places, unsigned queue, Metrics* metrics = nullptr,
             std::function<Clock::time_point()> now = Clock::now);
 
-  /// Names a run that has a place.
+  /// Ticket identifies a run that has a place.
   struct Ticket {
     Place* place = nullptr;
     std::uint64_t number = 0;
   };
 
-  /// The right to compute, given back at its end.
+  /// Pass is the right to compute; its destructor gives the place back.
   class Pass {
    public:
     Pass(Admission& admission, Place& place) noexcept : admission_(&admission), place_(&place) {}
@@ -74,11 +74,11 @@ class Admission {
       if (admission_) admission_->leave(*place_);
     }
 
-    /// No run came of it.
+    /// excuse(): no run came of it, so that its time does not count as one.
     void excuse();
-    /// The run ends after so many seconds at the latest.
+    /// may_take(seconds): the run ends within that time.
     void may_take(double seconds);
-    /// Whether others have the place meanwhile.
+    /// parked() tells whether others use the place at present.
     bool parked() const;
     Ticket ticket() const;
 
@@ -87,62 +87,64 @@ class Admission {
     Place* place_;
   };
 
-  /// A turn that is free now.
+  /// enter returns a place that is free now, or nothing.
   std::optional<Pass> enter(const AccountPtr& account);
   std::optional<Pass> enter(std::string_view address) { return enter(std::make_shared<Account>(std::string(address))); }
 
-  /// What is done when the turn comes, or with nothing when it does not. It is called once, by whoever gives a place
-  /// back, ends the wait or asks: it hands its work on, and may not throw.
+  /// Turn is called once, with the pass when the turn comes, or with nothing when it never will. The caller is whoever
+  /// gives a place back, ends the wait or asks; hence a Turn must hand its work on, and must not throw.
   using Turn = std::function<void(std::optional<Pass>)>;
 
-  /// Waits for a turn, without a thread. There is none, and that at once: the queue is full, or the turn is not to be
-  /// expected within `most`; or later: that time is over, the client `gone` (may be empty), its place in the
-  /// queue needed by another, or the service ends.
+  /// wait queues for a turn, without a thread. The wait fails at once if the queue is full or the turn is not expected
+  /// within `most`; it fails later if that time is over, the client is `gone` (may be empty), its place in the queue is
+  /// needed by another, or the service ends.
   void wait(const AccountPtr& account, std::chrono::milliseconds most, std::function<bool()> gone, Turn turn);
 
-  /// Counts so many seconds as computed by an account, now.
+  /// charge adds computing time to an account as of now.
   void charge(Account& account, double seconds) const;
 
-  /// Ends the waits that are over. To be called now and then.
+  /// look() ends the waits that are over; to be called regularly.
   void look();
 
-  /// Gives the place of a run that waits for its client to others; false: it has none. May throw, then nothing changed.
+  /// park gives the place of a run that waits for its client to others; false: it has none. May throw, and then nothing
+  /// has changed.
   bool park(Ticket ticket);
-  /// Waits for a place again, on this thread, before those of its address who have not begun. False: the client is
-  /// gone, or the service ends.
+  /// resume waits on this thread until the run has a place again; it comes before those of its address who have not
+  /// begun. False: the client is gone, or the service ends.
   bool resume(Ticket ticket, const std::function<bool()>& gone);
 
-  /// A further place for a run that has one, as long as nobody waits and its client holds less than its share: half of
-  /// them, or all while no other client computes.
+  /// enter_besides returns a further place for a client that has one, while nobody waits and the client holds less than
+  /// its share: half of the places, or all while no other client computes.
   std::optional<Pass> enter_besides(std::string_view address);
-  /// Whether a client that holds places besides is to give them back: somebody waits, or it holds more than its share.
+  /// gives_way tells whether a client has to give such further places back: somebody waits, or it holds more than its
+  /// share.
   bool gives_way(std::string_view address) const;
   unsigned places() const { return places_; }
   unsigned queue() const { return queue_; }
 
-  /// Nobody enters any more; those who wait leave with nothing.
+  /// close(): nobody enters any more; those who wait are called with nothing.
   void close();
 
   struct Load {
     unsigned running = 0, waiting = 0, parked = 0;
-    bool full = false;  ///< the next one would be turned away
+    bool full = false;  ///< the next request would be refused
   };
   Load load() const;
 
-  /// After how many whole seconds it is worth to ask again, at least 1: when a place is expected.
+  /// retry_after returns the number of whole seconds until a place is expected, at least 1.
   int retry_after(const AccountPtr& account = nullptr) const;
 
  private:
-  // Of a run; those that are free are kept, so that to admit takes no memory.
+  // The place of a run. Free places are kept in a list, so that admitting takes no memory.
   struct Place {
     Client* client = nullptr;
     AccountPtr account{};
     std::uint64_t number = 0;
-    bool counts = true;   // as a run, among those whose times are told
-    bool beside = false;  // a place that a run has besides its own
+    bool counts = true;   // counts as a run in the mean duration
+    bool beside = false;  // a further place of a client that has one, from enter_besides
     bool parked = false;
     Clock::time_point since{};
-    Clock::duration held{0};  // before that
+    Clock::duration held{0};  // time held before it was parked
     double limit = std::numeric_limits<double>::infinity();
     std::list<Place>::iterator self{};
   };
@@ -152,10 +154,10 @@ class Admission {
     Clock::time_point from, until;
     std::function<bool()> gone;
     Turn turn;
-    Place* resumes = nullptr;    // a run that was parked
-    std::optional<Pass> pass{};  // once it came
+    Place* resumes = nullptr;    // a parked run that waits to go on; null for a new request
+    std::optional<Pass> pass{};  // set once the turn came
   };
-  // Moved from one list to another, which takes no memory.
+  // Entries are spliced from one list to another, which takes no memory.
   using Waiters = std::list<Waiter>;
   using Turns = std::list<Client*>;
   struct Client {
@@ -170,7 +172,7 @@ class Admission {
   void readmit(Place& place) noexcept;
   void leave(Place& place) noexcept;
   static double seconds_of(const Place& place, Clock::time_point now);
-  // `calls`: those whose turn came or never will, called when the lock is free.
+  // Runs the callbacks of those whose turn came or never will; called without the lock.
   static void run(Waiters calls) noexcept;
   void refuse(Waiters& calls, Waiters& from, Waiters::iterator waiter) noexcept;
   void line_up(Client& client, Waiters& newcomer, Turns& its_turn) noexcept;
@@ -193,15 +195,15 @@ class Admission {
   const std::function<Clock::time_point()> now_;
   const Clock::time_point epoch_ = now_();
   unsigned running_ = 0, waiting_ = 0, parked_ = 0;
-  unsigned resuming_ = 0;                               // of those who wait: they have begun
-  unsigned besides_ = 0;                                // of those who run: they give way to whoever waits
-  std::list<Place> used_, free_;                        // free_: as many as there are free places
-  std::uint64_t last_ = 0;                              // number of a run
-  std::map<std::string, Client, std::less<>> clients_;  // those who compute or wait
-  Turns turns_;                                         // those who wait, the next one first
-  double mean_ = 0;                                     // seconds of a run, the latest counting most
-  double kept_ = 1;  // of the limits beyond `patience` that runs had, the part that they took, likewise
-  mutable std::vector<double> ends_;  // for `expected_wait`, which may not take memory
+  unsigned resuming_ = 0;         // waiting runs that have begun, and were parked
+  unsigned besides_ = 0;          // running places from enter_besides, which give way to whoever waits
+  std::list<Place> used_, free_;  // free_: as many as there are free places
+  std::uint64_t last_ = 0;        // the last ticket number
+  std::map<std::string, Client, std::less<>> clients_;  // clients that compute or wait
+  Turns turns_;                                         // clients that wait, the next one first
+  double mean_ = 0;                                     // mean seconds of a run, weighted to the latest
+  double kept_ = 1;                   // mean fraction that runs used of a limit beyond `patience`, likewise
+  mutable std::vector<double> ends_;  // scratch for expected_wait, which must not allocate
   bool closed_ = false;
 };
 

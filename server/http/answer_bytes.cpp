@@ -28,7 +28,7 @@ std::string head_of(const Answer& answer, bool keep_alive, bool chunked) {
 }
 
 std::string chunk_of(std::string_view piece, bool chunked) {
-  if (!chunked || piece.empty()) return std::string(piece);  // an empty chunk would be the last
+  if (!chunked || piece.empty()) return std::string(piece);  // an empty chunk would end the body
   char size[16];
   std::string chunk(size, std::to_chars(size, size + sizeof size, piece.size(), 16).ptr);
   chunk.reserve(chunk.size() + piece.size() + 4);

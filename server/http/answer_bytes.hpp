@@ -1,4 +1,4 @@
-// An answer as the bytes of HTTP/1.1: its head, and its body in chunks.
+// The bytes of an answer in HTTP/1.1: its head, and its body in chunks.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace least::server {
 
-/// The head, with room for the body behind it; `chunked`: so is that.
+/// head_of returns the head, in a string with room for the body. `chunked`: the body will be sent in chunks.
 std::string head_of(const Answer& answer, bool keep_alive, bool chunked);
 
-/// A piece of a body as a chunk (RFC 9112, 7.1); where it is not chunked, which is in HTTP/1.0, it is bare, and the
-/// body ends with the connection.
+/// chunk_of returns a piece of a body as a chunk (RFC 9112, 7.1). If not `chunked`, as in HTTP/1.0, the piece is bare,
+/// and the end of the connection marks the end of the body.
 std::string chunk_of(std::string_view piece, bool chunked);
 inline std::string_view end_of_chunks(bool chunked) { return chunked ? "0\r\n\r\n" : ""; }
 

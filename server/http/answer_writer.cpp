@@ -11,7 +11,7 @@
 namespace least::server {
 namespace {
 
-// A client that has not made room after so long is slower than what is computed for it.
+// A client that has not made room after this time is slower than the computation.
 constexpr std::chrono::milliseconds soon{10};
 
 }  // namespace
@@ -37,8 +37,8 @@ void AnswerWriter::stream(Exchange& exchange, const Answer& answer, std::string 
   finish(exchange, chunk_of(*end, exchange.chunked).append(end_of_chunks(exchange.chunked)));
 }
 
-// Lends place and thread to others until a client has read what is there. False: the client is gone, the service
-// ends, or no thread can be had for others; then the run ends here.
+// let_others lends place and thread to others until the client has taken what is there. False: the client is gone, the
+// service ends, or no thread can be had for others; then the run ends.
 bool AnswerWriter::let_others(Exchange& exchange) {
   if (!workers_.step_aside()) return false;
   const std::shared_ptr<void> back(nullptr, [this](void*) { workers_.step_back(); });
@@ -57,7 +57,7 @@ void AnswerWriter::write_pieces(Exchange& exchange) {
       std::string chunk = chunk_of(piece, exchange.chunked);
       if (!more) {
         exchange.has_pieces = false;
-        exchange.pieces = nullptr;  // who has read the end finds the memory free
+        exchange.pieces = nullptr;  // freed before the client can have read the end
         return finish(exchange, std::move(chunk += end_of_chunks(exchange.chunked)));
       }
       if (exchange.outbox.put(std::move(chunk))) continue;

@@ -1,4 +1,4 @@
-// How an answer gets on its way: whole, piece by piece as there is room, or as it is computed.
+// Sends an answer: whole, piece by piece as there is room, or while it is computed.
 #pragma once
 
 #include <string>
@@ -10,18 +10,18 @@
 
 namespace least::server {
 
-/// Called by a worker, for one exchange at a time. What an endpoint throws comes through.
+/// AnswerWriter is used by workers, each for one exchange at a time. Exceptions of endpoints pass through it.
 class AnswerWriter {
  public:
   AnswerWriter(Workers& workers, Admission& admission) : workers_(workers), admission_(admission) {}
 
-  /// The last of an answer; `keeps`: its connection is for a further one.
+  /// finish sends the end of an answer; `keeps`: the connection stays open for a further request.
   static void finish(Exchange& exchange, std::string last, bool keeps = false);
-  /// Behind its head what is computed meanwhile. Each piece leaves at once, or when the client has taken what was
-  /// before it; the end is not waited for.
+  /// stream sends the head, then the body while it is computed: each piece at once, or when the client has taken the
+  /// previous ones. It does not wait for the end to be taken.
   void stream(Exchange& exchange, const Answer& answer, std::string head);
-  /// As much of the rest as there is room for. Whoever makes room meanwhile leaves it to this thread, or posts it
-  /// again.
+  /// write_pieces writes as much of the rest as there is room for. A thread that makes room meanwhile leaves the rest
+  /// to this one, or posts it again.
   static void write_pieces(Exchange& exchange);
 
  private:

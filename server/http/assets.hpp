@@ -1,4 +1,4 @@
-// The files of the page, embedded in the binary; the build makes the definition from web/.
+// The files of the page, embedded in the binary; the build generates the definition from web/.
 #pragma once
 
 #include <span>
@@ -6,7 +6,7 @@
 
 namespace least::server {
 
-/// One file: its path on the server (`/index.html`), its media type and its bytes. All of static storage.
+/// Asset is one file: its path on the server (`/index.html`), its media type and its bytes, all with static lifetime.
 struct Asset {
   std::string_view path, type, body;
 };

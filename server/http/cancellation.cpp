@@ -13,7 +13,7 @@ constexpr std::chrono::milliseconds between_looks{50};
 
 }  // namespace
 
-// One for all: a thread for each would cost a short run as much as all the rest of its request.
+// A single thread watches all computations: one thread each would cost as much as the rest of a short request.
 class CancellationWatch::Watcher {
  public:
   static Watcher& instance() {
@@ -56,7 +56,7 @@ class CancellationWatch::Watcher {
   std::condition_variable_any came_, pause_;
   std::vector<CancellationWatch*> watches_;
   int attended_ = 0;
-  std::jthread thread_;  // last: it uses the others
+  std::jthread thread_;  // last, as the thread uses the other members
 };
 
 CancellationWatch::Attended::Attended() { Watcher::instance().attend(1); }

@@ -1,4 +1,4 @@
-// Ends a computation that nobody waits for any more: sets what the computation looks at.
+// Ends a computation that nobody waits for any more, by setting the flag that the computation polls.
 #pragma once
 
 #include <atomic>
@@ -8,15 +8,17 @@
 
 namespace least::server {
 
+/// CancellationWatch watches one computation, from its construction to its destruction.
 class CancellationWatch {
  public:
-  /// Watches until its own end: for the end of the service, the client that goes away (never, where `gone` is empty)
-  /// and the time that the computation may take. What is over within 50 ms is not looked at.
+  /// Cancels when the service has `ended`, when the client is `gone` (never if that is empty), or after so many
+  /// seconds. Computations of less than 50 ms are not watched.
   CancellationWatch(const std::atomic<bool>& ended, std::function<bool()> gone,
                     double seconds = std::numeric_limits<double>::infinity());
   ~CancellationWatch();
   CancellationWatch(const CancellationWatch&) = delete;
-  /// To be called every 50 ms by whoever is `Attended`; while nobody is, a thread of its own sees to it.
+  /// look_at_all() must be called every 50 ms by a thread that holds an Attended; without one, a thread of the class
+  /// does it.
   static void look_at_all();
   struct Attended {
     Attended();
@@ -28,7 +30,7 @@ class CancellationWatch {
   CancellationWatch& operator=(const CancellationWatch&) = delete;
 
   const std::atomic<bool>& cancelled() const { return cancelled_; }
-  /// Whether it was cancelled because its time was over.
+  /// timed_out() tells whether it was cancelled because its time was over.
   bool timed_out() const { return timed_out_; }
 
  private:

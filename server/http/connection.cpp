@@ -15,11 +15,11 @@ namespace {
 using namespace std::chrono_literals;
 using Awaits = RequestReader::Awaits;
 
-constexpr auto on_its_way = 250ms;  // what a client has just begun to send, or is to, may take so long
-constexpr auto last_word = 1s;      // how long the end waits for the rest of a request, or for a client to hang up
-constexpr auto farewell = 300ms;    // what is left of answers has so long to leave, once runs are cancelled
+constexpr auto on_its_way = 250ms;  // time for a client to send a request that it has begun, or is about to begin
+constexpr auto last_word = 1s;      // when the service ends: time for the rest of a request, or for a client to hang up
+constexpr auto farewell = 300ms;    // once runs are cancelled: time for the rest of answers
 constexpr auto first_probe = 50ms;
-constexpr std::string_view every_answer = "HTTP/1.1 ";  // begins so, in reply to HTTP/1.0 as well
+constexpr std::string_view every_answer = "HTTP/1.1 ";  // the first bytes of every answer, also to HTTP/1.0
 constexpr std::string_view go_ahead = "HTTP/1.1 100 Continue\r\n\r\n";
 
 }  // namespace
@@ -52,7 +52,7 @@ void Connection::unblock(Clock::time_point now) {
   stalled_ += now - blocked_from_;
 }
 
-// One that has much to say lets others have a turn.
+// The number of steps is limited, so that one busy connection lets others have a turn.
 void Connection::advance() {
   constexpr int most = 16;
   for (int i = 0; i < most; ++i) {
@@ -61,7 +61,7 @@ void Connection::advance() {
   came_();
 }
 
-// False: nothing can go on until something happens.
+// step() returns false when nothing can be done until something happens.
 bool Connection::step() {
   switch (state_) {
     case State::reading:
@@ -95,7 +95,7 @@ bool Connection::read_request() {
   return receive();
 }
 
-// What there is; false where there is nothing.
+// receive() reads what there is; false where there is nothing.
 bool Connection::receive() {
   if (!readable_ || drained_ || state_ == State::closed) return false;
   char bytes[16 * 1024];
@@ -103,7 +103,7 @@ bool Connection::receive() {
   if (n > 0) {
     if (state_ == State::reading) reader_.buffer().append(bytes, static_cast<std::size_t>(n));
     last_byte_ = Clock::now();
-    readable_ = half_closed_ || n == sizeof bytes;  // else the system says when there is more
+    readable_ = half_closed_ || n == sizeof bytes;  // otherwise the system reports further bytes
     return true;
   }
   if (n == 0) return drained_ = half_closed_ = true;
@@ -165,11 +165,11 @@ bool Connection::finish(bool whole) {
   if (goes_on) {
     state_ = State::reading;
   } else if (whole) {
-    // Closing at once would take the answer back from a client that is still sending.
+    // Closing at once could destroy the answer before a client that is still sending has read it.
     ::shutdown(socket_, SHUT_WR);
     state_ = State::lingering;
   } else {
-    state_ = State::closed;  // and no mark of an end is sent
+    state_ = State::closed;  // without a mark of an end
   }
   return state_ != State::closed;
 }
@@ -180,30 +180,31 @@ bool Connection::discard() {
   return false;
 }
 
-// An orderly close would be the mark of an end.
+// An orderly close would mark the end of the body: the connection is reset instead.
 void Connection::cut_off() {
   const linger reset{1, 0};
   ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
 }
 
-// The client is gone, or let go.
+// leave() is called when the client is gone, or disconnected by us.
 void Connection::leave() {
   if (state_ == State::reading && reader_.awaits() != Awaits::request) handler_.aborted(peer_.address);
   state_ = State::closed;
   if (const auto exchange = std::exchange(exchange_, nullptr)) {
-    exchange->sent = offset_ == sending_.size() && exchange->outbox.done();  // a client may be quick to go then
+    // a client may leave at once after a complete answer
+    exchange->sent = offset_ == sending_.size() && exchange->outbox.done();
     if (exchange->sent) return;
-    handler_.left(*exchange);  // before whoever computes for it is woken, and ends
+    handler_.left(*exchange);  // before the computing thread is woken, and ends
     exchange->left = true;
     exchange->outbox.close();
     if (taken_ > 0 && exchange->bare) cut_off();
   }
 }
 
-// Who only ended its sending is still there, and who hung up looks the same: that shows when something is sent, which
-// is answered with a reset. So a byte is sent that has to come anyway, now and then: of the line with which every
-// answer begins; within one, a zero before the size of the next chunk (RFC 9112, 7.1), or what its next piece begins
-// with.
+// A client that has only closed its sending side is still there, and one that hung up looks the same: only sending
+// shows the difference, as the latter answers with a reset. So probe() sends, now and then, a byte that has to be sent
+// anyway: of the line that begins every answer; within an answer, a zero before the size of the next chunk (RFC 9112,
+// 7.1), or the beginning of the next piece.
 void Connection::probe(Clock::time_point now) {
   if (!half_closed_ || now < next_probe_ || offset_ < sending_.size() || !writable_) return;
   next_probe_ = now + (between_probes_ *= 2);
@@ -227,7 +228,7 @@ void Connection::tick(Clock::time_point now) {
   if (state_ == State::lingering) {
     if (waited > last_word || lifecycle_.cancelled) state_ = State::closed;
   } else if (state_ == State::answering) {
-    // The system says that there is room when there is much; a slow reader makes little at a time.
+    // The system reports room only when there is much of it; a slow reader makes little at a time.
     if (!writable_) unblock(now);
     if (too_slow(now)) return leave();
     advance();
@@ -236,7 +237,7 @@ void Connection::tick(Clock::time_point now) {
     const bool ends = lifecycle_.draining && (!fresh_ || waited > on_its_way);
     if (waited > bounds_.idle || ends || lifecycle_.cancelled) leave();
   } else if (state_ == State::reading) {
-    // A client that says nothing more does not hold up the end.
+    // A client that sends nothing more must not delay the end.
     if (lifecycle_.cancelled || (lifecycle_.draining && now - last_byte_ > last_word)) return leave();
     if (waited <= (awaited_ == Awaits::head ? bounds_.head_time : bounds_.body_time)) return;
     begin(handler_.refuse(reader_.too_late(), peer_, {socket_, came_}));

@@ -25,7 +25,7 @@ namespace least::server {
 namespace {
 
 constexpr std::chrono::milliseconds between_ticks{50};
-constexpr std::uint64_t called = 2;  // smaller ones: the doors
+constexpr std::uint64_t called = 2;  // smaller numbers stand for the doors
 
 void check(int result) {
   if (result < 0) throw std::system_error(errno, std::generic_category());
@@ -37,7 +37,7 @@ void add_to(int epoll, int descriptor, std::uint32_t events, std::uint64_t id) {
   check(::epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event));
 }
 
-// Does what may throw: what goes wrong is said, as far as there is memory for that, and goes no further. False: it did.
+// contained runs act(), and logs an exception as far as memory allows. False: there was an exception.
 template <class Act>
 bool contained(std::string_view event, Act&& act) {
   try {
@@ -54,7 +54,7 @@ bool contained(std::string_view event, Act&& act) {
 }
 constexpr std::string_view lost = "connection lost";
 
-// Without its port; empty where there is none.
+// text_of returns an address without its port; empty for an unknown family.
 std::string text_of(const sockaddr_storage& address) {
   char text[INET6_ADDRSTRLEN] = "";
   const void* number = nullptr;
@@ -132,8 +132,8 @@ void EventLoop::run(const std::function<void()>& tick_too) {
 
 void EventLoop::wake() noexcept { call(called); }
 
-// The loop looks at its calls before it sleeps: only others have to wake it. Where there is no memory for one, the next
-// tick looks at the connection.
+// call(id) requests a look at a connection. The loop checks its calls before it sleeps, so that only the first call of
+// another thread has to wake it. Where there is no memory for a call, the next tick looks at the connection.
 void EventLoop::call(Id id) noexcept {
   try {
     const std::lock_guard lock(mutex_);
@@ -147,7 +147,7 @@ void EventLoop::call(Id id) noexcept {
   (void)!::write(wake_, &one, sizeof one);
 }
 
-// Waits for what happens and sees to it. True: all is over.
+// turn() waits for events and handles them. True: all is over.
 bool EventLoop::turn() {
   int patience = static_cast<int>(between_ticks.count());
   {
@@ -176,7 +176,7 @@ bool EventLoop::turn() {
   if (lifecycle_.draining) {
     for (Door& door : doors_) {
       if (door.socket < 0) continue;
-      accept(door);  // those who came before the end
+      accept(door);  // connections that came before the end
       ::close(std::exchange(door.socket, -1));
     }
   }
@@ -210,7 +210,7 @@ bool EventLoop::somebody_waits(const Door& door) {
   return door.socket >= 0 && ::poll(&queue, 1, 0) == 1;
 }
 
-// Who is connected makes room for those who are there, not for those who may come: to accept fails without descriptors
+// Connections are closed only for clients that are waiting, not for possible ones: accept fails without descriptors
 // even when nobody waits.
 void EventLoop::accept(Door& door) {
   while (somebody_waits(door)) {
@@ -225,7 +225,7 @@ void EventLoop::accept(Door& door) {
     }
     if (errno == EAGAIN || errno == EWOULDBLOCK) return;
     if (errno == EINTR || errno == ECONNABORTED) continue;
-    // No descriptor, or no memory, is left for one more.
+    // No descriptor or memory is left for one more.
     if (!make_room()) return watch(false);
   }
 }
@@ -244,7 +244,7 @@ void EventLoop::add(int socket, const sockaddr_storage& address, bool for_metric
   if (!good && connections_.erase(id) == 0) ::close(socket);
 }
 
-// Closes the connection that has idled for longest, or else the one whose request has not come for longest.
+// make_room closes the connection that has been idle longest, or else the one whose request has been missing longest.
 bool EventLoop::make_room() {
   const auto now = Clock::now();
   auto first = connections_.end();
@@ -260,7 +260,7 @@ bool EventLoop::make_room() {
   return true;
 }
 
-// While nobody can be let in, those who wait outside are not looked at, and those inside are asked to leave.
+// While no connection can be accepted, those waiting outside are not polled, and those inside are asked to leave.
 void EventLoop::watch(bool accepting) {
   paused_ = !accepting;
   full_size_ = connections_.size();

@@ -1,4 +1,4 @@
-// One request and its answer, between the loop that owns the connection and the thread that is at work on it.
+// One request and its answer, shared by the loop that owns the connection and the thread that works on it.
 #pragma once
 
 #include <atomic>
@@ -32,26 +32,26 @@ struct Exchange {
   const AccountPtr client;
   const Clock::time_point start = Clock::now();
   Outbox outbox;
-  std::atomic<bool> left{false};       ///< its client went away
-  std::atomic<bool> computing{false};  ///< it waits for its turn, or has it
-  Admission::Ticket place{};           ///< of what is computed while it leaves
+  std::atomic<bool> left{false};       ///< its client is gone
+  std::atomic<bool> computing{false};  ///< it waits for its turn, or computes
+  Admission::Ticket place{};           ///< of what is computed while it is sent
 
-  // Written by who answers, before the first byte is put.
+  // Written by the answering thread, before the first byte is put.
   std::string_view route;
   int status = 0;
   bool keep_alive = false;
-  bool chunked = false, bare = false;                ///< its body; bare: nothing but its connection's end marks its end
-  std::string_view begins{};                         ///< each piece of it, where that is known
-  std::shared_ptr<const std::vector<Note>> notes{};  ///< for the log; more of them at the end of a stream
-  std::atomic<std::size_t> bytes{0};                 ///< of the body
-  /// The rest of a body that is written when there is room for it, by one thread at a time.
+  bool chunked = false, bare = false;  ///< of the body; bare: only the end of the connection marks its end
+  std::string_view begins{};           ///< the beginning of each piece of the body, where that is known
+  std::shared_ptr<const std::vector<Note>> notes{};  ///< for the log; a stream may add some at its end
+  std::atomic<std::size_t> bytes{0};                 ///< sent so far, of the body
+  /// The rest of a body that is written as there is room, by one thread at a time.
   std::function<bool(std::string&)> pieces{};
   std::atomic<bool> has_pieces{false}, writing{false};
 
-  Clock::time_point over{};  ///< when the last of it was there to be sent, or left after that
-  bool sent = false;         ///< all of it, to a client that took it; for the loop
+  Clock::time_point over{};  ///< when its last byte was ready to be sent, or was sent later
+  bool sent = false;         ///< all was sent, to a client that took it; for the loop
 
-  /// What is done once, when all is over. May not throw.
+  /// Called once, when all is over. Must not throw.
   std::function<void(const Exchange&)> ended{};
   void end() {
     outbox.release();

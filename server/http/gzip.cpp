@@ -11,7 +11,7 @@
 namespace least::server {
 namespace {
 
-// Numbers as text: higher levels take many times as long and save a tenth.
+// The content is numbers: higher levels take many times as long and save a tenth.
 constexpr int fast = 1;
 
 class Deflater {

@@ -1,6 +1,6 @@
-// Answers compressed for clients who ask for it (RFC 9110, 8.4; RFC 1952).
+// Compresses answers for clients that ask for it (RFC 9110, 8.4; RFC 1952).
 //
-// With zlib itself: cpp-httplib's compressor is a detail of its header in some releases and of its library in others.
+// Uses zlib directly: cpp-httplib's compressor is a detail of its header in some releases and of its library in others.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,16 @@
 
 namespace least::server {
 
-/// Whether an `Accept-Encoding` value would have gzip.
+/// takes_gzip tells whether an `Accept-Encoding` value accepts gzip.
 bool takes_gzip(std::string_view accept_encoding);
 
-/// Shorter bodies, and those of types that are compressed already, are left as they are.
+/// worth_gzip is false for short bodies, and for media types that are compressed already.
 bool worth_gzip(std::string_view media_type, std::size_t bytes);
 
-/// A whole text; `level` from 1 (fast) to 9.
+/// gzipped compresses a whole text; `level` from 1 (fast) to 9.
 std::string gzipped(std::string_view text, int level);
 
-/// The answer compressed, also where its body is a stream: each piece of that can be read when it comes.
+/// compress compresses an answer, including one with a stream: each piece can be decompressed when it arrives.
 void compress(Answer& answer);
 
 }  // namespace least::server

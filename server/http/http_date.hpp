@@ -5,7 +5,7 @@
 
 namespace least::server {
 
-/// Now, as `Sun, 06 Nov 1994 08:49:37 GMT` (RFC 9110, 5.6.7).
+/// http_date() returns the current time as `Sun, 06 Nov 1994 08:49:37 GMT` (RFC 9110, 5.6.7).
 std::string http_date();
 
 }  // namespace least::server

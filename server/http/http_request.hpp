@@ -1,4 +1,4 @@
-// What is asked of an endpoint that computes.
+// HttpRequest is a request to an endpoint that computes.
 #pragma once
 
 #include <functional>
@@ -6,12 +6,12 @@
 
 namespace least::server {
 
-/// `accept` is needed until the request was read; the other texts live until the answer has left.
+/// `accept` must live until the request has been read; the other texts until the answer has been sent.
 struct HttpRequest {
   std::string_view body, accept, id;
-  std::function<bool()> gone{};  ///< whether the client went away; empty: it never does
+  std::function<bool()> gone{};  ///< whether the client is gone; empty: it never is
   std::string_view client{};     ///< its address
-  bool for_metrics = false;      ///< it came by the port for them
+  bool for_metrics = false;      ///< received at the port for metrics
 };
 
 }  // namespace least::server

@@ -68,7 +68,7 @@ class HttpServer::Impl final : private Handler {
         return fmt::format("cannot listen on {} port {}: {}", settings_.host, port, *error);
       }
     }
-    // One more than compute: there is always one for what is short, and that waits for nothing.
+    // One more than compute at once, so that one is always free for short tasks.
     workers_.start(places() + 1);
     running_ = true;
     thread_ = std::thread([this] {
@@ -129,7 +129,7 @@ class HttpServer::Impl final : private Handler {
     return std::max(settings_.threads > 0 ? settings_.threads : std::thread::hardware_concurrency(), 1u);
   }
 
-  // ---- what the loop says
+  // ---- calls by the loop
 
   ExchangePtr begin(Message message, Peer& peer, Line line) override {
     const std::string client = client_of(message.head, peer.address, settings_.trusted_proxies);
@@ -165,7 +165,7 @@ class HttpServer::Impl final : private Handler {
 
   void aborted(const std::string& address) noexcept override try {
     LogLine(spdlog::level::info, "aborted").with("client", address);
-  } catch (const std::bad_alloc&) {  // a line less
+  } catch (const std::bad_alloc&) {  // a line is lost
   }
 
   void left(const Exchange& exchange) noexcept override {
@@ -225,7 +225,7 @@ class HttpServer::Impl final : private Handler {
                Clock::duration queued) {
     guarded(exchange, [&] {
       exchange->place = pass.ticket();
-      // What every answer holds is counted before it is made: its text, or as much of it as is ever in memory.
+      // An answer is charged before it is made: its text, or as much of it as is in memory at once.
       if (!holds(exchange, most_of_a_stream)) return respond(exchange, route, no_memory(exchange), queued);
       Answer computed = job(std::move(pass));
       router_.dress(exchange->message.head, route, computed);
@@ -242,7 +242,7 @@ class HttpServer::Impl final : private Handler {
     });
   }
 
-  // What is thrown is told as 500, as long as nothing else was; after that the answer breaks off.
+  // guarded answers exceptions with 500, as long as nothing has been sent; after that the answer breaks off.
   template <class Act>
   void guarded(const ExchangePtr& exchange, Act&& act) noexcept {
     const HeldByThread held(lifecycle_.memory);
@@ -274,13 +274,13 @@ class HttpServer::Impl final : private Handler {
           .with("id", exchange->id)
           .with("why", std::string(why));
       if (!begun) return respond(exchange, "failed", error_(500, "", exchange->id));
-    } catch (...) {  // no memory is left even for that
+    } catch (...) {  // there is not even memory for that
     }
     exchange->outbox.finish(false);
   }
 
-  // Whether there is memory for so many bytes on behalf of a request, until its answer has left, beyond what it holds
-  // already. What is small is taken in any case: probes and refusals.
+  // holds charges so many bytes to a request, until its answer has been sent, beyond what it holds already; it tells
+  // whether there is memory. Small amounts are always granted, for probes and refusals.
   bool holds(const ExchangePtr& exchange, std::size_t bytes) {
     return bytes <= RequestReader::small || exchange->outbox.hold(lifecycle_.memory, bytes);
   }
@@ -307,8 +307,8 @@ class HttpServer::Impl final : private Handler {
     exchange->chunked = unbounded && head.minor > 0;
     exchange->bare = unbounded && head.minor == 0;
     exchange->begins = answer.begins;
-    // What follows a POST without a length may be the body its client had in mind: not the next request. While others
-    // cannot be let in, who is inside makes room.
+    // After a POST without a length, following bytes may be its intended body and not the next request. While others
+    // cannot be accepted, clients inside make room.
     exchange->keep_alive = exchange->message.keep_alive && !lifecycle_.leaving && !lifecycle_.crowded &&
                            answer.status != 411 && (!unbounded || exchange->chunked);
     std::string text = head_of(answer, exchange->keep_alive, exchange->chunked);
@@ -329,7 +329,7 @@ class HttpServer::Impl final : private Handler {
     }
   }
 
-  // A run is known by its scheme; of a comparison, or of limits, there are several.
+  // count_run counts a run by its scheme; studies and limits have several.
   void count_run(const Exchange& over) {
     if (over.status != 200 || over.place.number == 0) return;
     std::string scheme = "several";
@@ -353,7 +353,7 @@ class HttpServer::Impl final : private Handler {
     if (over.notes) {
       for (const Note& note : *over.notes) line.with(note.name, note.value);
     }
-  } catch (const std::bad_alloc&) {  // a line less
+  } catch (const std::bad_alloc&) {  // a line is lost
   }
 
   const HttpSettings settings_;
@@ -372,7 +372,7 @@ class HttpServer::Impl final : private Handler {
   bool running_ = false, hurries_ = false;
   AnswerWriter writer_{workers_, admission_};
   MemoryWatch memory_watch_{workers_, settings_.alone ? MemoryWatch::resident_bytes : nullptr};
-  Workers workers_;  // last: its tasks use the others
+  Workers workers_;  // last, as its tasks use the other members
 };
 
 HttpServer::HttpServer(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory)

@@ -1,5 +1,5 @@
-// The HTTP server: one loop for all connections and threads for what takes its time; routes and logs what comes, ends
-// in good order. As many threads as compute at once, one for short answers, one for the loop.
+// The HTTP server: one loop for all connections and threads for long tasks; it routes and logs requests, and shuts down
+// in order. It has as many threads as computations at once, one for short answers, and one for the loop.
 #pragma once
 
 #include <atomic>
@@ -18,41 +18,41 @@ namespace least::server {
 struct HttpSettings {
   std::string host = "127.0.0.1";
   int port = 8080;              ///< 0 picks a free one
-  unsigned threads = 0;         ///< requests that compute at once; 0: one per core
-  unsigned queue = 256;         ///< requests that wait for their turn; beyond it the answer is 503
-  unsigned connections = 8192;  ///< at once; beyond it, or where descriptors run out, those that idle make room
-  int metrics_port = -1;        ///< where /metrics is; negative: at `port`
-  double drain = 0;             ///< seconds that the port stays open when the server ends
-  double grace = 10;            ///< seconds that computations have left when the server ends
-  bool alone = false;           ///< nothing else is in the memory of the process: its bytes are looked at, too
+  unsigned threads = 0;         ///< computations at once; 0: one per core
+  unsigned queue = 256;         ///< requests that wait for their turn; further ones are answered 503
+  unsigned connections = 8192;  ///< limit of connections; beyond it, or without descriptors, idle ones are closed
+  int metrics_port = -1;        ///< the port of /metrics; negative: `port`
+  double drain = 0;             ///< seconds that the port stays open while the server ends
+  double grace = 10;            ///< seconds that computations have left while the server ends
+  bool alone = false;           ///< nothing else runs in this process: its resident memory is watched, too
   ConnectionBounds bounds;
   std::vector<std::string> allow_hosts, allow_origins;
-  std::vector<std::string> allow_frames;     ///< origins of pages that may hold this one in a frame
-  std::vector<std::string> trusted_proxies;  ///< addresses that say the truth about their clients
+  std::vector<std::string> allow_frames;     ///< origins of pages that may embed this one in a frame
+  std::vector<std::string> trusted_proxies;  ///< addresses whose X-Forwarded-For is believed
 };
 
 class HttpServer {
  public:
-  /// What clients send and what of its answer has not left counts in `memory`, where there is any, which lives on:
-  /// beyond it the answer is 503; so does, beyond 64 KiB, the tree of a request that is being read. Not counted are 4
-  /// KiB of each of them, and in the queue what is made of a short one, a quarter of a megabyte of recorded mechanics
-  /// at most.
+  /// Requests and unsent answers are charged to `memory`, if given, which must outlive the server; beyond it the answer
+  /// is 503. Trees of requests above 64 KiB are charged as well. Not charged are 4 KiB of each request, and, in the
+  /// queue, what is made of a short request, at most a quarter of a megabyte of recorded mechanics.
   ///
-  /// An answer that is computed while it leaves lends its place to others while its client is behind, for at most
-  /// Workers::most_aside of them; a further one ends. A client that reads nothing is let go after `stall`, one that
-  /// drips after `drip`, see ConnectionBounds, and the run ends when its own `limits.seconds` are over.
+  /// An answer that is computed while it is sent lends its place to others while its client is behind, at most
+  /// Workers::most_aside answers at once; a further one ends. A client that reads nothing is disconnected after
+  /// `stall`, one that reads too slowly after `drip`, see ConnectionBounds, and the run ends when its own
+  /// `limits.seconds` are over.
   HttpServer(HttpSettings settings, ErrorAnswer error, MemoryBudget* memory = nullptr);
   ~HttpServer();  ///< stops
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  /// Takes routes until the start.
+  /// Accepts routes until start().
   Router& router();
-  /// Where what computes gets its turn.
+  /// Gives turns to what computes.
   Admission& admission();
   const Admission& admission() const;
   Metrics& metrics();
-  /// It is about to end.
+  /// The server is about to end.
   bool leaving() const;
   std::size_t connections() const;
   const HttpSettings& settings() const;
@@ -60,20 +60,20 @@ class HttpServer {
   /// Set once computations are to end with what they have.
   const std::atomic<bool>& cancelled() const;
 
-  /// Listens from now on. On failure: what went wrong, for a person.
+  /// start() begins to listen. Returns an error message, or nothing.
   std::optional<std::string> start();
 
   /// `http://127.0.0.1:8080`
   std::string url() const;
   int port() const;
-  /// False once the server no longer accepts connections.
+  /// False once the server accepts no connections any more.
   bool running() const;
 
-  /// Ends: serves for as long as it drains, then accepts nothing new, answers what was accepted; what still computes
-  /// after the grace time is cancelled and answered with what it has. Returns when the last answer is out, a bounded
-  /// time after the grace.
+  /// stop() ends the server: it serves on while it drains, then accepts nothing new and answers what was received;
+  /// computations that still run after the grace time are cancelled and answered with what they have. Returns when the
+  /// last answer is sent, a bounded time after the grace.
   void stop();
-  /// Ends the time for which it drains, if it does. From any thread.
+  /// hurry() ends the drain time. From any thread.
   void hurry();
 
  private:

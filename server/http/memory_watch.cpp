@@ -30,7 +30,8 @@ void MemoryWatch::look(MemoryBudget* memory) {
   trim();
 }
 
-// A request counts memory before it writes to it; until then this estimate is too low, and a later look corrects it.
+// A request is charged for memory before it writes to it; until then this estimate is too low, and a later look
+// corrects it.
 void MemoryWatch::count_uncounted(MemoryBudget& memory) {
   constexpr int between_trims = 4;  // looks
   const std::size_t resident = resident_(), held = memory.held(), by_requests = held - uncounted_.bytes();
@@ -41,18 +42,19 @@ void MemoryWatch::count_uncounted(MemoryBudget& memory) {
     return learn_what_is_idle(resident);
   }
   quiet_looks_ = 0;
-  // A part is left to requests in any case: what the service came to keep for itself is known once it is idle.
+  // Requests keep a quarter of the budget in any case, as the memory that the service keeps for itself is known only
+  // when it is idle.
   const std::size_t known = idle_ + by_requests + tolerated, most = memory.most() - memory.most() / 4;
   const std::size_t beyond = std::min(resident > known ? resident - known : 0, most);
   if (beyond <= uncounted_.bytes()) return uncounted_.shrink_to(beyond);
   if (looks_since_trim_ > between_trims) trim();
-  // As much of it as there is.
+  // As much of it as the budget has.
   const std::size_t free = memory.most() - std::min(held, memory.most());
   uncounted_.grow_to(&memory, uncounted_.bytes() + std::min(beyond - uncounted_.bytes(), free));
 }
 
-// What is left in memory a second after the last request, and after a trim, is the service's own: problems of the
-// catalogue that were asked for stay.
+// The resident memory a second after the last request, and after a trim, is the service's own, such as problems of the
+// catalogue that were used.
 void MemoryWatch::learn_what_is_idle(std::size_t resident) {
   constexpr int second = 20;  // looks
   idle_ = std::min(idle_, resident);

@@ -1,7 +1,7 @@
-// What the process really has in memory, held against what its requests say they hold. Small pieces that they gave
-// back, as the events of a run or the tape of a scene, stay in a heap, where they count for nobody and yet take what
-// others may hold: heaps are trimmed. What nobody counted, whatever it is, the service itself takes of the memory that
-// all requests share, so that those have the less: the memory of the process is bounded by that and a little more.
+// Compares the resident memory of the process with what its requests hold. Small blocks that requests have freed, such
+// as events of a run or the tape of a scene, stay in the heap, where they are charged to nobody and yet take memory
+// that others may hold: heaps are trimmed. Memory that nobody was charged for is charged to the service itself, in the
+// budget that all requests share, so that requests get less and the memory of the process stays close to that budget.
 #pragma once
 
 #include <atomic>
@@ -13,21 +13,22 @@
 
 namespace least::server {
 
+/// MemoryWatch is driven by look().
 class MemoryWatch {
  public:
-  /// So much may be in memory that nobody counts, beside what the service has when nobody asks: what threads free and
-  /// take again lies between.
+  /// Uncharged memory that is tolerated, beyond what the service has when idle: threads free and allocate this much all
+  /// the time.
   static constexpr std::size_t tolerated = std::size_t{16} << 20;
 
-  /// `resident`: bytes that the process has in memory. Where it is empty, nothing is known but what requests hold; it
-  /// is to be so where others work in this process, too.
+  /// `resident` returns the resident bytes of the process. If it is empty only charges are known; it has to be empty
+  /// where others run in this process, too.
   explicit MemoryWatch(Workers& workers, std::function<std::size_t()> resident = {})
       : workers_(workers), resident_(std::move(resident)), idle_(resident_ ? resident_() : 0) {}
 
-  /// To be called now and then, by one thread. `memory` may be null: then nothing is known.
+  /// look is to be called regularly, by one thread. `memory` may be null: then nothing is done.
   void look(MemoryBudget* memory);
 
-  /// Bytes that this process has in memory and no file stands behind; 0 where the system does not say.
+  /// resident_bytes() returns the resident bytes without files; 0 where the system does not tell.
   static std::size_t resident_bytes();
 
  private:
@@ -37,11 +38,11 @@ class MemoryWatch {
 
   Workers& workers_;
   const std::function<std::size_t()> resident_;
-  std::size_t idle_;      ///< resident where no request holds anything
-  std::size_t most_ = 0;  ///< held since the last time that less of it made it worth to trim
-  int quiet_looks_ = 0;   ///< since a request held something
+  std::size_t idle_;      ///< resident bytes while no request holds anything
+  std::size_t most_ = 0;  ///< the most that was held since the last trim
+  int quiet_looks_ = 0;   ///< looks since a request held something
   int looks_since_trim_ = 0;
-  Held uncounted_{};  ///< by the service, on behalf of nobody
+  Held uncounted_{};  ///< charged to the service, on behalf of nobody
   std::atomic<bool> at_work_{false};
 };
 

@@ -15,7 +15,7 @@
 namespace least::server {
 namespace {
 
-// What every program of the kind tells has its name for all of them.
+// Metrics of the process have standard names, without a prefix.
 std::string_view prefix_of(std::string_view name) { return name.starts_with("process_") ? "" : "leastaction_"; }
 
 void write_head(std::string& out, std::string_view name, std::string_view type, std::string_view help) {
@@ -69,8 +69,8 @@ ProcessGauges ProcessGauges::now() {
   for (const timeval& part : {used.ru_utime, used.ru_stime})
     gauges.cpu_seconds += static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
   std::string word, text{std::istreambuf_iterator<char>(stat), {}};
-  std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));  // a name may hold blanks
-  constexpr int start_field = 20;  // behind the name; in clock ticks since the machine started
+  std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));  // the name may contain blanks
+  constexpr int start_field = 20;  // counted behind the name; in clock ticks since boot
   for (int i = 0; i < start_field; ++i) fields >> word;
   for (std::string key; boot >> key;) {
     double since = 0;
@@ -119,7 +119,7 @@ std::string Metrics::text(const Gauges& gauges) const {
             gauges.bytes_held);
   write_one(out, "max_held_bytes", "gauge", "Bytes held at most, --max-memory.", gauges.most_bytes);
   write_one(out, "dropped_log_lines_total", "counter", "Log lines that nobody took in time.", gauges.dropped_log_lines);
-  const auto process = ProcessGauges::now();  // by the names that all exporters give them
+  const auto process = ProcessGauges::now();  // with the names that all exporters use
   write_one(out, "process_resident_memory_bytes", "gauge", "Resident memory.", process.resident_bytes);
   write_one(out, "process_cpu_seconds_total", "counter", "Processor time of all threads.", process.cpu_seconds);
   write_one(out, "process_open_fds", "gauge", "Open descriptors.", process.descriptors);

@@ -1,4 +1,4 @@
-// Counts of what the service does, in the text form that Prometheus reads.
+// Counts of what the service does, in the text format of Prometheus.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace least::server {
 
-/// What stands still is not counted but looked at, when it is asked for.
+/// Gauges are values that are read when they are asked for, not counted.
 struct Gauges {
   unsigned running = 0, waiting = 0, parked = 0;
   std::size_t connections = 0, bytes_held = 0;
@@ -23,28 +23,28 @@ struct Gauges {
   std::string_view version{};
 };
 
-/// What the system says of this process.
+/// ProcessGauges are what the system reports of this process.
 struct ProcessGauges {
-  double cpu_seconds = 0, start_seconds = 0;  ///< since the epoch
+  double cpu_seconds = 0, start_seconds = 0;  ///< start_seconds: since the epoch
   std::uint64_t resident_bytes = 0, descriptors = 0;
   static ProcessGauges now();
 };
 
-/// Safe from any thread.
+/// Metrics may be used from any thread.
 class Metrics {
  public:
-  /// `route` lives on; all paths of a kind share one, so that their number is bounded.
+  /// `route` must have static lifetime; all paths of a kind share one, so that their number is bounded.
   void answered(std::string_view route, int status);
-  /// A computation was answered; `scheme` is one of the catalogue, or says that there were several.
+  /// computed: a computation was answered; `scheme` is one of the catalogue, or "several".
   void computed(std::string_view endpoint, const std::string& scheme);
   void ran(double seconds) { runs_.add(seconds); }
   void waited(double seconds) { waits_.add(seconds); }
-  /// A run whose client went away.
+  /// cancelled(): the client of a run is gone.
   void cancelled() { ++cancelled_; }
-  /// Who came to compute and did not get a turn.
+  /// rejected(): a request to compute did not get a turn.
   void rejected() { ++rejected_; }
 
-  /// Version 0.0.4 of the text form.
+  /// text returns version 0.0.4 of the text format.
   std::string text(const Gauges& gauges) const;
 
  private:

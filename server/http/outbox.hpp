@@ -1,5 +1,5 @@
-// Bytes of an answer between the thread that makes them and the loop that sends them: so many at most, whatever the
-// client's pace.
+// The bytes of an answer between the thread that makes them and the loop that sends them, limited whatever the client's
+// speed.
 #pragma once
 
 #include <sys/socket.h>
@@ -17,22 +17,23 @@
 
 namespace least::server {
 
-/// Where an answer goes: a socket that does not block, and what to call when there is something for who owns it.
+/// Line is the destination of an answer: a non-blocking socket, and a callback when its owner has something to do.
 struct Line {
   int socket;
   std::function<void()> came;
 };
 
-/// Bytes that an answer holds at most that is written while it leaves: what waits here, beyond its bound by a piece of
-/// sixteen thousand numbers, as much on its way to the socket, and a compressor.
+/// The most memory of an answer that is written while it is sent: the bytes in the Outbox, which may exceed its bound
+/// by a piece of sixteen thousand numbers, as much on its way to the socket, and a compressor.
 inline constexpr std::size_t most_of_a_stream = std::size_t{3} << 19;
 
+/// Outbox is used by one writing thread and the loop.
 class Outbox {
  public:
   explicit Outbox(Line line) : line_(std::move(line)) {}
 
-  /// At least so many bytes count as memory until all is sent. False, and no more than before, where there are not so
-  /// many.
+  /// hold charges at least so many bytes until all is sent. False, and no more is charged than before, where memory is
+  /// short.
   bool hold(MemoryBudget* budget, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     return held_.grow_to(budget, bytes);
@@ -42,17 +43,17 @@ class Outbox {
     held_ = Held();
   }
 
-  /// Waits while more than a bound is still to be sent, at most for so long. False: it still is.
+  /// await_room waits until less than the bound is unsent, for the given time at most. False: there still is no room.
   bool await_room(std::chrono::milliseconds most) {
     std::unique_lock lock(mutex_);
     return taken_.wait_for(lock, most, [this] { return closed_ || bytes_.size() < bound; });
   }
-  /// Waits for that, however long: who sends keeps the clock.
+  /// The overload without a time waits as long as it takes: the sender watches the time limits.
   void await_room() {
     std::unique_lock lock(mutex_);
     taken_.wait(lock, [this] { return closed_ || bytes_.size() < bound; });
   }
-  /// The same, and puts the bytes. False: nobody takes them any more.
+  /// put waits for room and appends the bytes. False: nobody takes them any more.
   bool put(std::string bytes) {
     {
       std::unique_lock lock(mutex_);
@@ -67,9 +68,9 @@ class Outbox {
     line_.came();
     return true;
   }
-  /// There is no more after `last`; `whole`: the answer has its end. Does not wait. An answer that is nothing but
-  /// `last` is sent from here: then its owner hears of it with the next request (`keeps`: that the connection is for
-  /// one).
+  /// finish appends the end of the answer without waiting; `whole`: the answer is complete. An answer that consists
+  /// only of `last` is sent at once by this thread; its owner then learns of it with the next request (`keeps`: the
+  /// connection is kept for one).
   void finish(bool whole, std::string last = {}, bool keeps = false) {
     {
       const std::lock_guard lock(mutex_);
@@ -88,15 +89,15 @@ class Outbox {
     }
     line_.came();
   }
-  /// Whether `put` would not wait.
+  /// has_room() tells whether `put` would not wait.
   bool has_room() {
     const std::lock_guard lock(mutex_);
     return closed_ || bytes_.size() < bound;
   }
 
   enum class State { open, whole, broken };
-  /// Puts what there is in the place of `bytes`, and says whether more may come. `awaited`: the owner has something to
-  /// do as soon as all is sent.
+  /// take moves the bytes into `bytes`, and tells whether more may come. `awaited`: the owner has something to do as
+  /// soon as all is sent.
   State take(std::string& bytes, bool awaited) {
     const std::lock_guard lock(mutex_);
     awaited_ = awaited;
@@ -105,24 +106,25 @@ class Outbox {
     taken_.notify_one();
     return !ended_ ? State::open : whole_ ? State::whole : State::broken;
   }
-  /// Whether the answer has its end, and all of it was taken.
+  /// done() tells whether the answer is complete and all of it was taken.
   bool done() {
     const std::lock_guard lock(mutex_);
     return ended_ && whole_ && bytes_.empty();
   }
-  /// Sends a word between, where nothing else is on its way.
+  /// interject sends a word at once if nothing else is to be sent.
   void interject(std::string_view word) {
     const std::lock_guard lock(mutex_);
-    // To a client that has let a few bytes be in its way for so long, these do not matter either.
+    // If the client has let a few bytes wait for so long, a lost word does not matter.
     if (!ended_ && bytes_.empty()) (void)!::send(line_.socket, word.data(), word.size(), MSG_NOSIGNAL);
   }
-  /// Sends a further byte of what will be put next, where nothing else is on its way: it is known to begin with `text`.
+  /// send_ahead sends one more byte of the next piece, which is known to begin with `text`, if nothing else is to be
+  /// sent.
   void send_ahead(std::string_view text) {
     const std::lock_guard lock(mutex_);
     if (ended_ || !bytes_.empty() || ahead_ >= text.size()) return;
     if (::send(line_.socket, &text[ahead_], 1, MSG_NOSIGNAL) == 1) ++ahead_;
   }
-  /// Nobody takes any more, and the socket is not used.
+  /// close(): nobody takes bytes any more, and the socket is not used.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -143,7 +145,7 @@ class Outbox {
   std::condition_variable taken_;
   std::string bytes_;
   Held held_{};
-  std::size_t ahead_ = 0;  // bytes of what is put next that were sent already
+  std::size_t ahead_ = 0;  // bytes of the next piece that are sent already
   bool begun_ = false, ended_ = false, whole_ = false, closed_ = false, awaited_ = false;
 };
 

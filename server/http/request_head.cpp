@@ -33,8 +33,8 @@ bool is_value(std::string_view s) {
   });
 }
 
-// The next line without its CRLF, taken off the text. A line feed alone ends no line: what one reader takes for two
-// requests another takes for one.
+// next_line removes the next line and returns it without its CRLF. A bare line feed does not end a line: otherwise this
+// reader could see two requests where another one sees one.
 std::string_view next_line(std::string_view& text) {
   const auto end = std::min(text.find("\r\n"), text.size());
   const auto line = text.substr(0, end);
@@ -109,7 +109,7 @@ std::string RequestHead::field(std::string_view name) const {
   bool first = true;
   for (const auto& [key, value] : fields) {
     if (key != name) continue;
-    if (!std::exchange(first, false)) values += ", ";  // an empty one counts, too: two lengths are no length
+    if (!std::exchange(first, false)) values += ", ";  // an empty value counts, too: two lengths are an invalid length
     values += value;
   }
   return values;
@@ -157,12 +157,12 @@ Result<Framing, Refusal> framing_of(const RequestHead& head, std::uint64_t body_
 
   const bool has_length = head.count("content-length") > 0;
   if (head.count("transfer-encoding") > 0) {
-    // Both, or an encoding in HTTP/1.0, is how requests are smuggled past a proxy.
+    // Both, or an encoding in HTTP/1.0, are ways to smuggle requests past a proxy.
     if (has_length || head.minor == 0) return Refusal{400, "Transfer-Encoding contradicts Content-Length"};
     if (lowered(head.field("transfer-encoding")) != "chunked") return Refusal{501, "only chunked is understood"};
     framing.chunked = true;
   } else if (has_length) {
-    const std::string text = head.field("content-length");  // two of them are joined by a comma: no number
+    const std::string text = head.field("content-length");  // two of them are joined by a comma, which is no number
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, framing.length);
     const bool digits =

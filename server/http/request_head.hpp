@@ -1,4 +1,4 @@
-// The head of an HTTP/1.1 request: its first line and its fields, read strictly (RFC 9112).
+// The head of an HTTP/1.1 request: request line and fields, parsed strictly (RFC 9112).
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace least::server {
 
-/// With the letters of ASCII in lower case.
+/// lowered returns s with ASCII letters in lower case.
 std::string lowered(std::string_view s);
-/// Without spaces and tabs at its ends.
+/// trimmed returns s without spaces and tabs at its ends.
 std::string_view trimmed(std::string_view s);
 
-/// A request that cannot be taken: what to answer before the connection is closed.
+/// Refusal is the answer to a request that cannot be processed; the connection is closed after it.
 struct Refusal {
   int status = 400;
   std::string detail;
@@ -25,16 +25,16 @@ struct Refusal {
 
 struct RequestHead {
   std::string method, path, query;
-  std::string authority;                                    ///< of the target, else of `Host`; empty: none
-  int minor = 1;                                            ///< HTTP/1.minor
+  std::string authority;  ///< of the target, else of `Host`; empty where there is none
+  int minor = 1;          ///< HTTP/1.minor
   std::vector<std::pair<std::string, std::string>> fields;  ///< names in lower case
 
-  /// The values of a field joined with commas; empty where there is none.
+  /// field returns the values of a field joined with commas; empty where there is none.
   std::string field(std::string_view name) const;
   std::size_t count(std::string_view name) const;
 };
 
-/// How the body of a request is delimited, and what becomes of the connection.
+/// Framing is how the body of a request is delimited, and whether the connection is kept.
 struct Framing {
   bool chunked = false;
   std::uint64_t length = 0;
@@ -42,21 +42,21 @@ struct Framing {
   bool expects_continue = false;
 };
 
-/// Bounds on a head, in bytes and fields.
+/// HeadBounds limit a head, in bytes and number of fields.
 struct HeadBounds {
   std::size_t bytes = 32 * 1024, target = 8 * 1024, fields = 100;
 };
 
-/// Reads a head, from the first line to before the blank one. Refuses with 400, 414, 431 or 505.
+/// parse_head parses a head without its final blank line. Refuses with 400, 414, 431 or 505.
 Result<RequestHead, Refusal> parse_head(std::string_view text, const HeadBounds& bounds);
 
-/// What can be said against a head of which this much came, without waiting for the rest.
+/// refusal_at_once returns what is wrong with an incomplete head already.
 std::optional<Refusal> refusal_at_once(std::string_view begun);
 
-/// Whether a text may stand in a field: no control characters but tabs.
+/// is_field_value tells whether a text may be a field value: without control characters other than tabs.
 bool is_field_value(std::string_view text);
 
-/// Refuses with 400 (contradictions), 413 (more than `body_limit` announced), 415, 417 or 501.
+/// framing_of refuses with 400 (contradictions), 413 (announces more than `body_limit`), 415, 417 or 501.
 Result<Framing, Refusal> framing_of(const RequestHead& head, std::uint64_t body_limit);
 
 }  // namespace least::server

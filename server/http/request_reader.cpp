@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t longest_size_line = 256;  // of a chunk
 
-// Of what ends a head, and a line, so much may have come that is not counted yet.
+// Bytes of the end of a head, and of a line, that may arrive beyond the limits.
 constexpr std::size_t part_of_end = 3, part_of_line = 1;
 
 Refusal malformed_chunks() { return {400, "malformed chunked coding"}; }
@@ -60,7 +60,7 @@ Received RequestReader::next() {
 
 RequestReader::Awaits RequestReader::awaits() const {
   if (part_ != Part::head) return Awaits::body;
-  constexpr std::size_t tolerated = 2;  // some clients end a body with a line of their own
+  constexpr std::size_t tolerated = 2;  // a CRLF, which some clients add to a body
   return buffer_.empty() && blank_ <= tolerated ? Awaits::request : Awaits::head;
 }
 
@@ -124,11 +124,12 @@ std::optional<Refusal> RequestReader::read_body() {
 std::optional<Refusal> RequestReader::read_chunks() {
   std::string& body = message_.body;
   for (;;) {
-    if (!chunk_) {  // a size, perhaps with an extension that nobody needs
+    if (!chunk_) {  // a size, and perhaps an extension, which is ignored
       const auto line = read_line(longest_size_line);
       if (!line)
         return buffer_.size() > longest_size_line + part_of_line ? std::optional(malformed_chunks()) : std::nullopt;
-      if (!is_field_value(*line)) return malformed_chunks();  // a bare line feed may end the line for another reader
+      // another reader may take a bare line feed for the end of the line
+      if (!is_field_value(*line)) return malformed_chunks();
       std::uint32_t size = 0;
       const auto digits = std::min(line->find_first_of("; \t"), line->size());
       const auto rest = std::min(line->find_first_not_of(" \t", digits), line->size());
@@ -153,7 +154,7 @@ std::optional<Refusal> RequestReader::read_chunks() {
   }
 }
 
-// Its fields are read and forgotten.
+// The fields of a trailer are read and ignored.
 std::optional<Refusal> RequestReader::read_trailer() {
   while (trailer_ <= bounds_.head.bytes) {
     const auto line = read_line(bounds_.head.bytes);
@@ -169,7 +170,7 @@ std::optional<Refusal> RequestReader::read_trailer() {
   return Refusal{431, "the trailer is too large"};
 }
 
-// Without its CRLF. Nothing: it is not whole, or longer than it may be.
+// read_line returns a line without its CRLF; nothing while it is incomplete, or if it is too long.
 std::optional<std::string> RequestReader::read_line(std::size_t longest) {
   const std::size_t end = buffer_.find("\r\n");
   if (end == std::string::npos || end > longest) return std::nullopt;

@@ -1,5 +1,4 @@
-// Bytes of a client → whole requests. Knows no socket: what came is put in, what is whole comes out, and everything a
-// client can stretch has a bound.
+// Turns received bytes into whole requests, without knowledge of sockets. Everything a client can stretch is limited.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +11,7 @@
 
 namespace least::server {
 
-/// In bytes.
+/// Limits in bytes.
 struct RequestBounds {
   HeadBounds head;
   std::size_t body = 1 << 20;
@@ -23,46 +22,48 @@ struct Message {
   RequestHead head;
   std::string body;
   bool keep_alive = true;
-  bool for_metrics = false;  ///< it came by the port for them
-  Held held{};               ///< of the memory for requests
+  bool for_metrics = false;  ///< received at the port for metrics
+  Held held{};               ///< charged to the memory for requests
 };
 
-/// A refusal beside what is known of the request.
+/// Refused is a refusal with what is known of the request.
 struct Refused {
   Refusal refusal;
   std::string method;
 };
 
-/// Nothing: more has to come.
+/// Received is a request or a refusal; monostate: more bytes are needed.
 using Received = std::variant<std::monostate, Message, Refused>;
 
-/// What to say where there is no more.
+/// full_memory returns the message for requests when memory is full.
 std::string full_memory(const MemoryBudget& memory);
 
+/// RequestReader parses the stream of one connection.
 class RequestReader {
  public:
-  /// Bytes taken in any case, and kept by a connection that idles: whether the service lives can be asked when memory
+  /// Bytes that are accepted in any case, and kept by an idle connection, so that health can be asked for when memory
   /// is full.
   static constexpr std::size_t small = 4096;
 
-  /// What is read counts in `memory`, where there is any. Both live on.
+  /// The bytes are charged to `memory`, if given. Both must outlive the reader.
   explicit RequestReader(const RequestBounds& bounds, MemoryBudget* memory = nullptr)
       : bounds_(bounds), memory_(memory), held_(memory) {}
 
-  /// Where bytes that came are put, at the end.
+  /// buffer() is where received bytes are to be appended.
   std::string& buffer() { return buffer_; }
 
-  /// The next request, if all of it has come. After a refusal nothing is kept: the rest of the stream cannot be read.
+  /// read() returns the next request if it is complete. After a refusal nothing is kept: the rest of the stream cannot
+  /// be parsed.
   Received read();
 
-  /// What has to come next: a request, the rest of a head, or the rest of a body.
+  /// awaits() tells what has to arrive next: a request, the rest of a head, or the rest of a body.
   enum class Awaits { request, head, body };
   Awaits awaits() const;
 
-  /// Whether the client waits to be asked for the body; said once.
+  /// asks_to_continue() tells, once, that the client waits for 100 Continue.
   bool asks_to_continue();
 
-  /// What to say when the rest does not come in time.
+  /// too_late() returns the refusal of a request whose rest does not arrive in time.
   Refused too_late() const;
 
  private:
@@ -77,15 +78,15 @@ class RequestReader {
 
   const RequestBounds& bounds_;
   MemoryBudget* const memory_;
-  Held held_;           // for the buffer and the message
-  std::string buffer_;  // received, not yet read: a client may send requests ahead
+  Held held_;           // of the buffer and the message
+  std::string buffer_;  // received but not yet parsed; a client may send requests ahead
   Part part_ = Part::head;
-  std::size_t looked_ = 0;            // so much of a head has no end in it
+  std::size_t looked_ = 0;            // bytes of the head that were searched for its end
   std::size_t blank_ = 0;             // bytes of blank lines before it
-  Message message_;                   // from its head on
+  Message message_;                   // valid once its head is read
   Framing framing_;                   // of it
-  std::optional<std::size_t> chunk_;  // bytes of a chunk that are to come, where its size has
-  std::size_t trailer_ = 0;           // bytes of the trailer that came
+  std::optional<std::size_t> chunk_;  // bytes of the current chunk that are missing, once its size is known
+  std::size_t trailer_ = 0;           // bytes of the trailer so far
   bool asks_ = false;
 };
 

@@ -13,18 +13,19 @@
 namespace least::server {
 namespace {
 
-// Bytes of a body that is read as soon as it came, so that what is wrong with it is told at once: some milliseconds for
-// a scene as text, some tens of microseconds else.
+// A body up to this size is read as soon as it has arrived, so that its faults are reported at once. This takes some
+// milliseconds for a scene given as text, else some tens of microseconds.
 constexpr std::size_t soon_read = 4096;
 
-// A name for a content: FNV-1a. Tells versions apart, guards nothing.
+// tag returns an entity tag, by FNV-1a. It distinguishes versions; it is no protection.
 std::string tag(std::string_view body) {
   std::uint64_t hash = 14695981039346656037u;
   for (const char c : body) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
   return fmt::format("\"{:016x}\"", hash);
 }
 
-// `localhost` from `LocalHost:8080`, `[::1]` from `[::1]:8080`; empty where what follows the colon is no port.
+// without_port returns `localhost` for `LocalHost:8080`, `[::1]` for `[::1]:8080`; empty where no port follows the
+// colon.
 std::string without_port(std::string_view authority) {
   const auto from = authority.starts_with('[') ? authority.find(']') : 0;
   const auto colon = std::min(authority.find(':', std::min(from, authority.size())), authority.size());
@@ -33,7 +34,7 @@ std::string without_port(std::string_view authority) {
   return digits && port.size() <= 5 ? lowered(authority.substr(0, colon)) : std::string();
 }
 
-// A refusal as a page of its own where a browser asks for one.
+// html_or returns a refusal as an HTML page where a browser asks for one.
 Answer html_or(const RequestHead& head, Answer refusal, std::string_view title, std::string_view why) {
   constexpr std::string_view html = "text/html";
   const std::string problem = refusal.type;
@@ -46,7 +47,7 @@ Answer html_or(const RequestHead& head, Answer refusal, std::string_view title, 
   return refusal;
 }
 
-// What is large is dear to read, too: that waits for its turn as the work does.
+// Large bodies are expensive to read: this waits for its turn as the work does.
 Job read_in_turn(const Router::Prepare& prepare, HttpRequest request) {
   return [&prepare, request, accept = std::string(request.accept)](Admission::Pass pass) mutable {
     request.accept = accept;
@@ -59,7 +60,7 @@ Job read_in_turn(const Router::Prepare& prepare, HttpRequest request) {
   };
 }
 
-// Whether a part is asked for that begins beyond the end.
+// is_beyond tells whether a requested range begins beyond the end.
 bool is_beyond(const std::string& range, std::size_t size) {
   constexpr std::string_view unit = "bytes=";
   const char* const end = range.data() + range.size();
@@ -70,7 +71,7 @@ bool is_beyond(const std::string& range, std::size_t size) {
   return digits && (error != std::errc() || from >= size) && std::string_view(stop, end) == "-";
 }
 
-// What the head of a refused method is told.
+// allowed returns the value of `Allow` for a refused method.
 std::string_view allowed(bool computes, bool fixed) {
   return computes && fixed ? "GET, HEAD, POST, OPTIONS" : computes ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
 }
@@ -83,7 +84,7 @@ Router::Router(Access access, ErrorAnswer error)
                                "object-src 'none'",
                                access_.frames.empty() ? "'none'" : fmt::format("{}", fmt::join(access_.frames, " ")))),
       error_(error) {
-  std::erase(access_.hosts, "");  // what is no host at all has no name, and is not allowed by an empty option
+  std::erase(access_.hosts, "");  // an empty option must not allow requests without a host name
   for (auto& host : access_.hosts) host = lowered(host);
 }
 
@@ -112,14 +113,15 @@ void Router::add_hint(Hint hint) { hint_ = std::move(hint); }
 
 void Router::add_glance(Glance glance) { glance_ = glance; }
 
-// A page of another site can make a browser resolve its own name to this machine; then the name in Host gives it away.
+// A page of another site can make a browser resolve the page's own name to this machine (DNS rebinding); the name in
+// Host reveals it.
 bool Router::host_allowed(const RequestHead& head) const {
-  if (head.authority.empty() && head.count("host") == 0) return true;  // HTTP/1.0: no browser
+  if (head.authority.empty() && head.count("host") == 0) return true;  // HTTP/1.0, hence no browser
   const std::string host = without_port(head.authority);
   return std::find(access_.hosts.begin(), access_.hosts.end(), host) != access_.hosts.end();
 }
 
-// Most often somebody has opened the page by the name of the machine: a person reads this, in a browser.
+// Usually somebody has opened the page by the name of the machine: the message is for a person with a browser.
 Answer Router::unknown_host(const RequestHead& head, std::string_view request_id) const {
   const std::string host = without_port(head.authority);
   const bool is_name = !host.empty() && std::all_of(host.begin(), host.end(), [](char c) {
@@ -143,20 +145,20 @@ bool Router::origin_allowed(const RequestHead& head) const {
          std::find(access_.origins.begin(), access_.origins.end(), origin) != access_.origins.end();
 }
 
-// Whether a browser is about to put the page into a frame where it may not stand. What it says of frames it says only
-// to services that are reached by TLS or on its own machine; elsewhere the policy of the page alone refuses.
+// frame_refused tells whether a browser is about to load the page into a frame that is not allowed. Browsers send these
+// fields only to services with TLS or on their own machine; elsewhere only the policy of the page prevents it.
 bool Router::frame_refused(const RequestHead& head) const {
   constexpr std::string_view frames[] = {"iframe", "frame", "embed", "object", "fencedframe"};
   const std::string into = head.field("sec-fetch-dest"), referrer = lowered(head.field("referer"));
   if (std::find(std::begin(frames), std::end(frames), into) == std::end(frames)) return false;
   if (access_.frames.empty()) return true;
   const auto scheme = referrer.find("://");
-  if (scheme == referrer.npos) return false;  // who embeds is not told: the policy of the page decides
+  if (scheme == referrer.npos) return false;  // the embedding page is not told: the policy of the page decides
   const std::string origin = referrer.substr(0, referrer.find('/', scheme + 3));
   return std::find(access_.frames.begin(), access_.frames.end(), origin) == access_.frames.end();
 }
 
-// It stands in the frame in the place of the page, for the person who embeds it.
+// This answer appears in the frame instead of the page, for the person who embeds it.
 Answer Router::refused_frame(const RequestHead& head, std::string_view request_id) const {
   const std::string why =
       "the page may not stand in a frame of this origin: whoever runs the service adds it by `--allow-frame ORIGIN`, "
@@ -170,7 +172,7 @@ Effort Router::effort(const RequestHead& head, std::string_view body) const {
   return head.method == "POST" && computed_.contains(head.path) ? glance_(body) : Effort::brief;
 }
 
-// What a client wants packed may be large, or is packed for the first time.
+// With Accept-Encoding the file may be large, or have to be compressed first.
 bool Router::is_short(const RequestHead& head, Effort effort) const {
   return effort == Effort::brief && (!fixed_.contains(head.path) || head.count("accept-encoding") == 0);
 }
@@ -183,7 +185,7 @@ Routed Router::operator()(const RequestHead& head, const HttpRequest& request) c
 
 void Router::dress(const RequestHead& head, std::string_view route, Answer& answer) const {
   auto& headers = answer.headers;
-  headers.reserve(8);  // with those of every answer
+  headers.reserve(8);  // including those of every answer
   if (head.method == "POST" && computed_.contains(route)) {
     headers.emplace_back("Vary", "Accept, Accept-Encoding");
     headers.emplace_back("Cache-Control", "no-store");
@@ -212,7 +214,7 @@ Prepared Router::dispatch(const RequestHead& head, const HttpRequest& request, s
   if (!origin_allowed(head)) {
     return error_(403, "pages of this Origin may not ask; --allow-origin adds one", request.id);
   }
-  if (head.path == "*") return Answer{204, "", "", {{"Allow", "GET, HEAD, POST, OPTIONS"}}};  // of the whole service
+  if (head.path == "*") return Answer{204, "", "", {{"Allow", "GET, HEAD, POST, OPTIONS"}}};  // about the whole service
   const auto found = fixed_.find(head.path);
   const auto endpoint = computed_.find(head.path);
   const bool has_text = found != fixed_.end(), can_compute = endpoint != computed_.end();
@@ -256,7 +258,7 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
     return error_(406, "the answer comes as " + std::string(media), request_id);
   }
   const bool packed = worth_gzip(media, fixed.body.size()) && takes_gzip(head.field("accept-encoding"));
-  // Other bytes of the same content: a strong tag would say that they are the same bytes.
+  // Compressed content has other bytes, so that its tag must be weak.
   Answer answer{
       200, fixed.type, {}, {{"ETag", packed ? "W/" + fixed.etag : fixed.etag}, {"Cache-Control", "no-cache"}}};
   answer.headers.emplace_back("Vary", "Accept-Encoding");
@@ -274,7 +276,7 @@ Answer Router::fixed(const RequestHead& head, const Fixed& fixed, std::string_vi
   } else {
     answer.body = fixed.body;
   }
-  // With If-Range the part is of a version that the client holds: the whole answers for any other.
+  // With If-Range the part belongs to the client's version: any other version is answered whole.
   const bool conditional = head.count("if-range") > 0;
   if (answer.status == 200 && head.method == "GET" && !conditional &&
       is_beyond(head.field("range"), answer.body.size())) {

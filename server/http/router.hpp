@@ -1,4 +1,4 @@
-// Which request meets which answer, and who may ask.
+// Maps requests to answers, and decides who may ask.
 #pragma once
 
 #include <functional>
@@ -19,34 +19,35 @@
 
 namespace least::server {
 
-/// Who may drive the service from a browser.
+/// Access is which browsers may use the service.
 struct Access {
   std::vector<std::string> hosts;    ///< names accepted in `Host`, without port
-  std::vector<std::string> origins;  ///< foreign origins accepted, such as `https://example.org`
-  std::vector<std::string> frames;   ///< origins whose pages may hold the page in a frame
+  std::vector<std::string> origins;  ///< accepted foreign origins, such as `https://example.org`
+  std::vector<std::string> frames;   ///< origins whose pages may embed the page in a frame
 };
 
-/// How the service words an error; `detail` may be empty.
+/// ErrorAnswer is how the service words an error; `detail` may be empty.
 using ErrorAnswer = Answer (*)(int status, std::string_view detail, std::string_view request_id);
 
-/// What helps further beside a refusal, 404 or 405, of a path; begins as the rest of a sentence does, may be empty.
+/// Hint returns help for a 404 or 405 of a path, as the continuation of a sentence; may be empty.
 using Hint = std::function<std::string(int status, std::string_view path)>;
 
-/// What it takes to read a body, from a glance at it; `brief`: it is refused.
+/// Glance estimates what reading a body takes from its beginning; `brief`: it will be refused.
 using Glance = Effort (*)(std::string_view body);
 
-/// What is left to compute of an answer when a request was read and found good, once there is a place for it. What it
-/// throws is a fault of the service.
+/// Job computes the answer of a request that was read without faults, once there is a place for it. Its exceptions are
+/// faults of the service.
 using Job = std::function<Answer(Admission::Pass)>;
-/// A refusal, or the work.
+/// Prepared is a refusal, or the job.
 using Prepared = std::variant<Answer, Job>;
 
-/// An answer, or what makes it, and the route that gave it.
+/// Routed is an answer or a job, and the route that gave it.
 struct Routed {
   Prepared outcome;
   std::string_view route;
 };
 
+/// Router holds all routes of the service.
 class Router {
  public:
   using Prepare = std::function<Prepared(const HttpRequest&)>;
@@ -54,37 +55,37 @@ class Router {
 
   Router(Access access, ErrorAnswer error);
 
-  /// A file of the page; `/index.html` stands at `/` as well.
+  /// add_page adds a file of the page; `/index.html` is served at `/` as well.
   void add_page(const Asset& asset);
-  /// A text that is made once. It is sent whole: no answer is 206, as a field `Range` may be ignored (RFC 9110, 14.2).
-  /// Who goes on from its end, which a download that is whole already does, is told so by 416. `route` names all paths
-  /// of its kind in the log and lives on.
+  /// add_text adds a text that is made once. It is always sent whole, never as 206, since a field `Range` may be
+  /// ignored (RFC 9110, 14.2). A client that resumes at its end, as after a complete download, gets 416. `route` names
+  /// all paths of this kind in the log; it must have static lifetime.
   void add_text(std::string path, std::string_view route, std::string_view type, std::string body);
-  /// GET: what the service is asked about itself, made anew each time. Any `Host` is answered: the probes of an
-  /// orchestrator come with an address. `path` lives on.
-  /// `apart`: it is asked by the port for metrics, and there is nothing else there.
+  /// add_probe adds a GET about the service itself, answered anew each time. Any `Host` is accepted, as probes of an
+  /// orchestrator use an address. `path` must have static lifetime.
+  /// `apart`: it is served at the port for metrics only, and is all that is there.
   void add_probe(std::string_view path, Probe probe, bool apart = false);
-  /// POST: computed for each request. `path` lives on. A body of more than 4 KiB that is not refused at a glance is
-  /// read when its turn has come.
+  /// add_computed adds a POST that is computed for each request. `path` must have static lifetime. A body of more than
+  /// 4 KiB that is not refused by the glance is read when its turn has come.
   void add_computed(std::string_view path, Prepare prepare);
   void add_hint(Hint hint);
   void add_glance(Glance glance);
 
-  /// What it takes to answer a request, as far as its turn to compute.
+  /// effort returns what answering a request takes before its turn to compute.
   Effort effort(const RequestHead& head, std::string_view body) const;
-  /// Whether it is answered within microseconds: it need not be handed to a thread that may take its time.
+  /// is_short tells whether a request is answered within microseconds, so that it needs no worker thread.
   bool is_short(const RequestHead& head, Effort effort) const;
-  /// Answers a request, or says what is to be computed; throws what that throws.
+  /// The call operator answers a request, or returns its job; exceptions pass through.
   Routed operator()(const RequestHead& head, const HttpRequest& request) const;
-  /// What goes with every answer of a route: its coding, and header fields.
+  /// dress adds what goes with every answer of a route: its coding, and header fields.
   void dress(const RequestHead& head, std::string_view route, Answer& answer) const;
 
  private:
   struct Fixed {
     std::string_view route;
     std::string type, body, etag;
-    bool page = false;  // carries the policy of a page
-    // The body compressed, once somebody asks for it.
+    bool page = false;  // has the content security policy of a page
+    // The compressed body, made when it is first asked for.
     struct Packed {
       std::once_flag made;
       std::string body;

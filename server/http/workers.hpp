@@ -1,4 +1,4 @@
-// The threads that do what takes its time. A task that waits, for a client to read or for its next turn, steps aside.
+// The threads for long tasks. A task that waits, for its client or for its next turn, steps aside.
 #pragma once
 
 #include <algorithm>
@@ -18,18 +18,19 @@
 
 namespace least::server {
 
+/// Workers runs posted tasks on a fixed number of threads at once.
 class Workers {
  public:
   using Task = std::function<void()>;
   using Clock = std::chrono::steady_clock;
 
-  /// A task that waits for longer goes before those of less effort: they cannot keep it waiting for ever.
+  /// A task that has waited longer goes before tasks of less effort, so that these cannot keep it waiting for ever.
   static constexpr std::chrono::milliseconds patience{50};
 
-  /// So many tasks may have stepped aside at once.
+  /// Limit of tasks that have stepped aside at once.
   static constexpr std::size_t most_aside = 32;
 
-  /// So many are at work at once. Throws where a thread cannot be had.
+  /// start begins with so many threads. Throws where a thread cannot be created.
   void start(std::size_t threads) {
     at_once_ = made_ = threads;
     threads_.reserve(threads + most_aside);
@@ -37,7 +38,7 @@ class Workers {
   }
   ~Workers() { finish(); }
 
-  /// The least effort first, of the same in the order in which they come. A task may not throw.
+  /// post queues a task: least effort first, equal effort in the order of arrival. Tasks must not throw.
   void post(Effort effort, Task task) {
     {
       const std::lock_guard lock(mutex_);
@@ -46,7 +47,7 @@ class Workers {
     came_.notify_one();
   }
 
-  /// To be called by a task that is to wait: another thread works in its place. False: there is none to be had.
+  /// step_aside() is called by a task that is about to wait: another thread works in its place. False: there is none.
   bool step_aside() {
     {
       const std::lock_guard lock(mutex_);
@@ -65,14 +66,14 @@ class Workers {
     came_.notify_one();
     return true;
   }
-  /// It goes on.
+  /// step_back(): the task goes on.
   void step_back() {
     const std::lock_guard lock(mutex_);
     --aside_;
     ++at_work_;
   }
 
-  /// Does what was posted, and ends.
+  /// finish() runs all posted tasks, then ends.
   void finish() {
     {
       const std::lock_guard lock(mutex_);
@@ -89,7 +90,7 @@ class Workers {
   };
   using Queue = std::deque<Posted>;
 
-  // The queue whose first task is next; none where nothing is left.
+  // The queue whose first task is next; null where all are empty.
   Queue* next() {
     Queue* chosen = nullptr;
     const auto late = Clock::now() - patience;
@@ -111,10 +112,10 @@ class Workers {
       queue->pop_front();
       lock.unlock();
       task();
-      task = nullptr;  // what it holds is let go outside of the lock, too
+      task = nullptr;  // destroy what the task holds outside of the lock, too
       lock.lock();
       --at_work_;
-      if (made_ > at_once_) came_.notify_one();  // one more than there was room for may wait
+      if (made_ > at_once_) came_.notify_one();  // a thread beyond the allowed number may be waiting
     }
   }
 
@@ -123,7 +124,7 @@ class Workers {
   std::array<Queue, 3> tasks_;  // by effort
   bool ended_ = false;
   std::size_t at_once_ = 0, made_ = 0, at_work_ = 0, aside_ = 0;
-  std::vector<std::jthread> threads_;  // last: they use the others
+  std::vector<std::jthread> threads_;  // last, as the threads use the other members
 };
 
 }  // namespace least::server

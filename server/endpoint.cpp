@@ -15,9 +15,9 @@
 namespace least::server {
 namespace {
 
-constexpr std::size_t glance = 4096;  // bytes that are looked at
+constexpr std::size_t glance = 4096;  // bytes of a body that effort_of reads
 
-// Whether a body begins as no JSON does, so that what follows need not be read to say so.
+// no_json_begins tells whether a body begins in a way that JSON cannot, so that the rest need not be read.
 bool no_json_begins(std::string_view body) {
   constexpr std::string_view blank = " \t\r\n", byte_order = "\xEF\xBB\xBF", values = "{[\"-0123456789tfn";
   const std::size_t first = body.substr(0, glance).find_first_not_of(blank);
@@ -33,7 +33,8 @@ Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& ty
 
 Effort effort_of(std::string_view body) {
   if (no_json_begins(body)) return Effort::brief;
-  const bool has_text = body.size() <= glance && body.find(custom_id) != body.npos;  // of which equations are derived
+  // a scene given as text, whose equations have to be derived
+  const bool has_text = body.size() <= glance && body.find(custom_id) != body.npos;
   return has_text ? Effort::work : Effort::reading;
 }
 

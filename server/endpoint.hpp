@@ -1,4 +1,4 @@
-// What the endpoints that compute have in common.
+// What endpoints that compute have in common.
 #pragma once
 
 #include <atomic>
@@ -18,36 +18,37 @@
 
 namespace least::server {
 
-/// What requests share.
+/// Context is what all requests share.
 struct Context {
   Cards cards;
   Caps caps;
   Admission& admission;
-  const std::atomic<bool>& cancelled;  ///< the service ends
-  MemoryBudget& memory;                ///< for what answers keep
+  const std::atomic<bool>& cancelled;  ///< set when the service ends
+  MemoryBudget& memory;                ///< for what answers keep in memory
 };
 
-/// A refusal (400: no JSON, 406, 422), or the work, which answers 200, 422 or 503. Both throw when memory is out or the
-/// core has a bug. Context and request outlive the work.
+/// An Endpoint reads a request and returns a refusal (400: no JSON, 406, 422), or the job, which answers 200, 422 or
+/// 503. Both may throw when memory is short or the core has a bug. Context and request must outlive the job.
 using Endpoint = Prepared (*)(const Context&, const HttpRequest&);
 
-/// Does the work at once; 503 where there is no place for it.
+/// answer_now runs the job at once; 503 where there is no place for it.
 Answer answer_now(Endpoint endpoint, const Context& context, const HttpRequest& request);
 
-/// The position of the form that the client likes best, or 406.
+/// form_for returns the index of the media type that the client prefers, or a 406 answer.
 Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& types);
 
-/// What it takes to read a body, from a glance at it. `brief`: it is no JSON whatever follows, which `json_of` sees
-/// without reading on.
+/// effort_of estimates, from the beginning of a body, what reading it takes. `brief`: it cannot be JSON, which json_of
+/// finds without reading on.
 Effort effort_of(std::string_view body);
 
-/// The body as JSON, or 400; 503 where there is no memory for its tree.
+/// json_of returns the body as JSON, or 400; 503 where there is no memory for its tree.
 Result<ParsedJson, Answer> json_of(const Context& context, const HttpRequest& request);
 
-/// 503, with the time after which it is worth to ask again.
+/// busy returns 503, with the time after which to try again.
 Answer busy(const Context& context, const HttpRequest& request, std::string_view why);
 
-/// Why a watched computation ended: `deadline`, `cancelled`, or `completed` where it was left alone.
+/// end_of returns why a watched computation ended: `deadline`, `cancelled`, or `completed` where it was not
+/// interrupted.
 ReturnCode end_of(const CancellationWatch& watch);
 
 /// The catalogue of the library.

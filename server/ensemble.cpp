@@ -16,8 +16,8 @@
 namespace least::server {
 namespace {
 
-// One place was waited for, as for a run; those that are free besides are taken, too, as long as nobody needs them. A
-// thread whose place is given back ends with its block.
+// Places are the places of one ensemble: it has waited for one, as a run does, and takes further free ones while nobody
+// else needs them. When a place is given back, its thread ends after its block.
 class Places {
  public:
   Places(const Context& context, const HttpRequest& request, Admission::Pass&& first)
@@ -29,7 +29,7 @@ class Places {
   Places(const Places&) = delete;
   Places& operator=(const Places&) = delete;
 
-  // To be called now and then, by one thread.
+  // look() is to be called regularly, by one thread.
   void look() {
     if (passes_.front().parked() || admission_.gives_way(client_)) {
       while (passes_.size() > 1) passes_.pop_back();
@@ -49,17 +49,17 @@ class Places {
   std::atomic<unsigned> count_{1};
 };
 
-// What an ensemble came to, and what is held for that.
+// Computed is the result of an ensemble, with the memory it holds.
 struct Computed {
   Harvest all;
   EnsembleEnd end;
   Held held;
 };
 
-// The whole of it; `take` adds the blocks in their order, false ends it.
+// compute runs the whole ensemble; take(computed, block) adds the blocks in order, false ends it.
 Computed compute(const EnsemblePlan& plan, const Context& context, const std::function<bool()>& gone, Places& places,
                  const std::function<bool(Computed&, Block&)>& take) {
-  constexpr double beyond = 0.05;  // the limit, in seconds: for what some members say against themselves
+  constexpr double beyond = 0.05;  // seconds beyond the limit, for the warnings of some members
   Computed result{{}, {}, Held(&context.memory)};
   const auto start = std::chrono::steady_clock::now();
   const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
@@ -90,7 +90,7 @@ Computed compute(const EnsemblePlan& plan, const Context& context, const std::fu
   return result;
 }
 
-// Nothing but sums is kept: each block leaves as it comes.
+// EnsembleStream keeps only sums: each block is sent as it comes.
 struct EnsembleStream {
   const Context& context;
   EnsemblePlan plan;
@@ -104,7 +104,7 @@ struct EnsembleStream {
     const auto computed = compute(plan, context, gone, *places, [&](Computed& sums, Block& block) {
       SectionPoints& section = block.harvest.section;
       const std::size_t before = section.t.size(), most = static_cast<std::size_t>(plan.request.limits.samples);
-      section.cut(most - points, plan.request.columns.size());  // those that still may be kept
+      section.cut(most - points, plan.request.columns.size());  // drops those beyond the limit
       points += section.t.size();
       TextPieces pieces = pieces_of_block(plan, block);
       std::string text;
@@ -121,7 +121,7 @@ struct EnsembleStream {
       return taken;
     });
     places->leave();
-    return encode_ensemble_end(plan, computed.all, computed.end);  // of one that was cut off, too: `cancelled`
+    return encode_ensemble_end(plan, computed.all, computed.end);  // also of one that was cut off: `cancelled`
   }
 };
 
@@ -131,7 +131,7 @@ bool is_empty(const Harvest& all) {
   return std::ranges::all_of(all.ended, [](std::int64_t count) { return count == 0; });
 }
 
-// Adds a block to the others; the first one is taken as it is.
+// keep adds a block to the others; the first one is moved.
 bool keep(const EnsemblePlan& plan, Computed& sums, Block& block) {
   if (is_empty(sums.all)) {
     sums.all = std::move(block.harvest);
@@ -142,7 +142,7 @@ bool keep(const EnsemblePlan& plan, Computed& sums, Block& block) {
   return true;
 }
 
-// The whole answer, as it is written while it leaves.
+// WholeEnsemble is the whole answer, written while it is sent.
 struct WholeEnsemble {
   EnsemblePlan plan;
   Computed computed;
@@ -166,7 +166,7 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
     answer.stream = [stream](const Write& write) { return (*stream)(write); };
     return answer;
   }
-  constexpr std::size_t large = 32 * 1024;  // numbers, of about 20 bytes each as text
+  constexpr std::size_t large = 32 * 1024;  // numbers, about 20 bytes each as text
   Computed computed = compute(plan, context, request.gone, *places,
                               [&plan](Computed& sums, Block& block) { return keep(plan, sums, block); });
   if (computed.end.reason == ReturnCode::memory && is_empty(computed.all))

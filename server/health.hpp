@@ -1,4 +1,4 @@
-// Asks a service whether it lives; for the health check of a container.
+// Asks a service whether it is alive, for the health check of a container.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,7 @@
 
 namespace least::server {
 
-/// Nothing where GET /healthz answers 200, else why not.
+/// health_fault returns nothing where GET /healthz answers 200, else why not.
 std::optional<std::string> health_fault(const std::string& host, int port);
 
 }  // namespace least::server

@@ -36,7 +36,7 @@ int print(std::string_view text, int code) {
   return 1;
 }
 
-// Where a standard stream is closed, the next socket would take its number, and a client be sent the log.
+// If a standard stream is closed, the next socket would get its number, and a client would receive the log.
 void open_standard_streams() {
   for (int descriptor = 0; descriptor <= 2; ++descriptor) {
     if (::fcntl(descriptor, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != descriptor) {
@@ -45,7 +45,7 @@ void open_standard_streams() {
   }
 }
 
-// One for each connection, and some for the service itself: a shell often gives fewer than it may.
+// One descriptor for each connection and some for the service: shells often set a limit below what is allowed.
 void allow_descriptors(unsigned connections) {
   constexpr rlim_t own = 32;
   rlimit limit{};
@@ -59,8 +59,8 @@ void allow_descriptors(unsigned connections) {
 }
 
 // Limits the memory that malloc keeps: by default every thread has a heap of its own that keeps what its requests
-// freed, and the size above which a freed block returns to the system at once grows with the largest block. It has to
-// be called before threads start.
+// freed, and the size above which freed blocks return to the system at once grows with the largest block. Must be
+// called before threads start.
 void limit_heaps(unsigned threads) {
   constexpr unsigned threads_of_a_heap = 4;
   if (threads == 0) threads = std::thread::hardware_concurrency();
@@ -98,14 +98,14 @@ int serve(const Options& options) {
   sigaddset(&ends, SIGINT);
   struct sigaction hang_up {};
   ::sigaction(SIGHUP, nullptr, &hang_up);
-  if (hang_up.sa_handler != SIG_IGN) sigaddset(&ends, SIGHUP);  // a terminal that closes; not under nohup
+  if (hang_up.sa_handler != SIG_IGN) sigaddset(&ends, SIGHUP);  // the terminal closes; not under nohup
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   limit_heaps(options.settings.threads);
   const LogQueue log(STDERR_FILENO, options.log_level, options.log_format);
   allow_descriptors(options.settings.connections);
   Settings settings = options.settings;
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what is freed, and notes of their own
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers manage freed memory themselves
   settings.alone = true;
 #endif
   Service service(settings, assets());
@@ -113,7 +113,7 @@ int serve(const Options& options) {
     fmt::print(stderr, "leastaction: {}\n", *error);
     return 1;
   }
-  // The log first: who reads of the address finds it there.
+  // The log comes first: whoever reads the address finds its lines.
   warn_of(options);
   tell_of_start(service, options);
   print(fmt::format("listening on {}\n", service.url()), 0);
@@ -124,14 +124,15 @@ int serve(const Options& options) {
   LogLine(spdlog::level::info, "ending").with("why", asked ? "signal" : "the listening socket failed");
   {
     const std::jthread end([&] { service.stop(); });
-    // Whoever asks again does not want to wait for others to notice.
+    // A second signal: its sender does not want to wait for the drain time.
     while (service.running())
       if (sigtimedwait(&ends, nullptr, &glance) > 0) service.hurry();
   }
   return asked ? 0 : 1;
 }
 
-// A named pipe is waited for until somebody writes into it, but not for ever. Null: it cannot be read.
+// opened returns an open file. A named pipe is waited for until somebody writes to it, for a limited time. Null: it
+// cannot be read.
 std::FILE* opened(const std::string& name) {
   constexpr int patience = 10'000;  // milliseconds
   const int descriptor = ::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
@@ -145,7 +146,7 @@ std::FILE* opened(const std::string& name) {
   return nullptr;
 }
 
-// Reads once, as a pipe wants it, and no more than one byte beyond `most`. Nothing: it cannot be read.
+// contents reads a file once, as pipes require, up to one byte beyond `most`. Nothing: it cannot be read.
 std::optional<std::string> contents(const std::string& name, std::size_t most) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(name == "-" ? stdin : opened(name), std::fclose);
   if (!file) return std::nullopt;
@@ -158,7 +159,8 @@ std::optional<std::string> contents(const std::string& name, std::size_t most) {
   return text;
 }
 
-// What a command says, and 0 where HTTP would say 200; `failed` where that would be no fault of the request.
+// say prints the answer of a command. It returns 0 where HTTP would answer 200, and `failed` for an error that is no
+// fault of the request.
 template <class Compute>
 int say(std::string_view id, Compute&& compute, int failed = 2) {
   Answer answer;
@@ -183,7 +185,7 @@ int say(std::string_view id, Compute&& compute, int failed = 2) {
   return end ? print(*end, 0) : 1;
 }
 
-// The same to the request in the file that the options name, with so many threads at most.
+// answer_file answers the request in the file that the options name, with so many threads at most.
 template <class Compute>
 int answer_file(const Options& options, std::string_view id, unsigned threads, Compute&& compute, int failed = 2) {
   const std::size_t most = options.settings.bounds.body;
@@ -223,7 +225,7 @@ int ensemble(const Options& options) {
     return part ? write_part(context, request, options.shard, options.output, threads)
                 : answer_now(run_ensemble_request, context, request);
   };
-  constexpr int again = 1;  // a queue may try it once more: a disk was full
+  constexpr int again = 1;  // a queue may try again, for example if a disk was full
   return answer_file(options, "ensemble", threads, answer, again);
 }
 

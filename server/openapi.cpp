@@ -17,7 +17,7 @@
 namespace least::server {
 namespace {
 
-// Requests of one endpoint by name.
+// examples_of returns the example requests of one endpoint by name.
 Json examples_of(std::string_view path, const Cards& cards) {
   Json all = Json::object();
   const auto add = [&](const std::string& name, Json value) { all[name] = {{"value", std::move(value)}}; };
@@ -79,8 +79,8 @@ Json example_of(std::string_view path, const Cards& cards) {
 
 namespace {
 
-// Who is told a status beside 200: by every operation, by those that compute, by those that do not, by a text that is
-// made once, by one of several.
+// By tells which operations have a status besides 200: all, those that compute, those with a text that is made once,
+// those with one of several texts.
 enum class By { all, computed, text, entry };
 
 struct FurtherStatus {
@@ -133,7 +133,7 @@ Json responses(const Operation& operation, Json answer) {
   return all;
 }
 
-// What becomes of a computation whose lines are read slower than they come.
+// rule_for_readers returns the text about clients that read slower than lines are computed.
 std::string rule_for_readers() {
   const ConnectionBounds bounds;
   const auto seconds = [](std::chrono::milliseconds time) { return std::chrono::duration<double>(time).count(); };
@@ -195,7 +195,7 @@ Json told(const Operation& operation, const Cards& cards) {
   return out;
 }
 
-// `post_v1_work_precision`
+// operation_id returns a name such as `post_v1_work_precision`.
 std::string operation_id(const Operation& operation) {
   std::string id = std::string(operation.method) + std::string(operation.path);
   for (char& c : id) {

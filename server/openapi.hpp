@@ -1,4 +1,4 @@
-// The interface as an OpenAPI 3.1 document, made once: parameters from the cards, endpoints from `operations`.
+// The interface as an OpenAPI 3.1 document, generated once: parameters from the cards, endpoints from `operations`.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace least::server {
 
-/// GET /v1/openapi.json. Its examples are requests that are answered with 200.
+/// GET /v1/openapi.json. All of its examples are requests that are answered with 200.
 std::string write_openapi(const Cards& cards, const Caps& caps);
 
-/// One of those of a POST path; null for other paths.
+/// example_of returns one example of a POST path; null for other paths.
 Json example_of(std::string_view path, const Cards& cards);
 
 }  // namespace least::server

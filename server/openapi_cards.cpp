@@ -39,7 +39,7 @@ Json parameter(const ParameterCard& card) {
   JsonWriter json(value);
   write_parameter(json, card, card.value);
   schema["default"] = Json::parse(value);
-  // The problem of a request may suggest another one.
+  // A problem may suggest another default.
   if (!card.suggested.empty()) schema["x-suggested"] = card.suggested;
   return schema;
 }
@@ -59,7 +59,7 @@ Json entry(const Card& card) {
   return schema;
 }
 
-// Of what is counted, `x[1]`, the list of all, `x`.
+// add_lists adds, for elements such as `x[1]`, the list `x`.
 template <class Items>
 void add_lists(const Items& cards, Json& properties) {
   for (const auto& card : cards)
@@ -93,7 +93,7 @@ Json start_of(const Mechanics& problem) {
   for (const VariableCard& variable : card.variables) {
     if (variable.hidden) continue;
     Json schema = number_in(variable.range);
-    if (std::isnan(variable.value)) schema["type"].push_back("null");  // null: from the others
+    if (std::isnan(variable.value)) schema["type"].push_back("null");  // null: the value follows from the others
     schema = described(std::move(schema), variable.doc, variable.unit);
     if (std::isfinite(variable.value)) schema["default"] = variable.value;
     properties[variable.name] = std::move(schema);

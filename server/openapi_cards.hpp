@@ -1,4 +1,4 @@
-// What a request may say of a problem or a scheme of the catalogue, as JSON Schema made from its card.
+// What a request may contain for a problem or a scheme of the catalogue, as JSON Schema generated from its card.
 #pragma once
 
 #include "server/decode/json_parse.hpp"
@@ -6,11 +6,12 @@
 
 namespace least::server {
 
-/// `{"id", "preset", …}` with the parameters flat beside them.
+/// entry_of returns the schema of `{"id", "preset", …}` with the parameters as further members.
 Json entry_of(const ProblemCard& card);
 Json entry_of(const SchemeCard& card);
 
-/// `initial`: t, the variables, lists of those that are counted, and velocities where the problem takes them.
+/// start_of returns the schema of `initial`: t, the variables, lists of elements, and velocities where the problem
+/// accepts them.
 Json start_of(const Mechanics& problem);
 
 }  // namespace least::server

@@ -1,4 +1,4 @@
-// What schemas are made of (JSON Schema 2020-12).
+// Building blocks of schemas (JSON Schema 2020-12).
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace least::server {
 
-/// With no properties but these.
+/// object_of returns the schema of an object without further properties.
 inline Json object_of(Json properties, Json required = Json::array()) {
   Json schema{{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
   if (!required.empty()) schema["required"] = std::move(required);
@@ -23,7 +23,7 @@ inline void add_range(Json& schema, const Range& range) {
   if (std::isfinite(range.high)) schema[range.high_open ? "exclusiveMaximum" : "maximum"] = range.high;
 }
 
-// Wherever a request has a number it may have a text of constants, as "2*pi/3": in each of them is a digit, or pi.
+// Wherever a request has a number it may have a text of constants, such as "2*pi/3", which contains a digit or pi.
 inline Json in_texts_too(const char* type) { return {{"type", {type, "string"}}, {"pattern", "[0-9]|pi"}}; }
 inline Json quantity() { return in_texts_too("number"); }
 inline Json whole_quantity() { return in_texts_too("integer"); }
@@ -39,7 +39,7 @@ inline Json count_in(std::int64_t low, std::int64_t high) {
   return schema;
 }
 
-/// What may stand for a value, and beside it what it means.
+/// described adds a description and a unit to a schema.
 inline Json described(Json schema, const std::string& doc, const std::string& unit) {
   if (!doc.empty()) schema["description"] = doc;
   if (!unit.empty()) schema["x-unit"] = unit;

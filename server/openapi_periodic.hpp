@@ -5,7 +5,7 @@
 
 namespace least::server {
 
-/// PeriodicRequest and PeriodicAnswer by name.
+/// periodic_schemas() returns PeriodicRequest and PeriodicAnswer by name.
 Json periodic_schemas();
 
 }  // namespace least::server

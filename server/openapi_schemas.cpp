@@ -19,14 +19,14 @@
 namespace least::server {
 namespace {
 
-// A bare id or one of the entries.
+// choice_of allows a bare id or one of the entries.
 Json choice_of(const Json& ids, const std::string& prefix) {
   Json all = Json::array({Json{{"type", "string"}, {"enum", ids}}});
   for (const Json& id : ids) all.push_back(reference(prefix + id.get<std::string>()));
   return {{"anyOf", std::move(all)}};
 }
 
-// Every name that some problem knows.
+// names_of_all returns every name that some problem has.
 template <class Names>
 Json names_of_all(const Cards& cards, Names ProblemCard::*names) {
   Json all = Json::array();
@@ -38,7 +38,7 @@ Json names_of_all(const Cards& cards, Names ProblemCard::*names) {
   return {{"type", "array"}, {"items", {{"type", "string"}, {"enum", all}}}, {"uniqueItems", true}};
 }
 
-// An expression by a name of the caller's own.
+// An expression under a name of the request's own.
 Json own_properties() {
   const Json text{{"type", "string"}};
   return {{"name", described(text, "a letter, then letters, digits, _; at most 32", "")},
@@ -223,7 +223,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
                    {"limits", reference("Limits")},
                    {"norm", norm},
                    {"sensitivities", sensitivities_asked()}});
-  // The columns of the catalogue are known; those of a text are what it names.
+  // The columns of catalogue problems are known; those of a scene given as text depend on it.
   const auto run_of = [&](const char* problem) {
     Json properties = simulate;
     properties["problem"] = reference(problem);
@@ -235,7 +235,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
                     {"error", {{"type", "string"}, {"enum", {"final", "max"}}, {"default", "final"}}},
                     {"norm", norm},
                     {"budget_seconds", budget}});
-  Json described_scene = common;  // the start is looked at where one is given
+  Json described_scene = common;  // the start is optional, and checked where it is given
   described_scene.erase("until");
   Json stability = described_scene;
   stability.update({{"schemes", schemes}, {"budget_seconds", budget}});
@@ -270,7 +270,7 @@ Json request_schemas(const Cards& cards, const Caps& caps) {
 
 Json reference(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
 
-// A scene as text; parameters are overridden flat.
+// A scene given as text; parameters may be overridden beside the id.
 Json typed_problem() {
   const Json text{{"type", "string"}}, number{{"type", "number"}}, formula = either(text, number);
   const auto by_name = [](Json value) { return Json{{"type", "object"}, {"additionalProperties", std::move(value)}}; };

@@ -1,4 +1,4 @@
-// The schemas of the OpenAPI document: requests from the cards, answers and faults.
+// The schemas of the OpenAPI document: requests (from the cards), answers and faults.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace least::server {
 
-/// To a schema by its name.
+/// reference returns a reference to a schema by name.
 Json reference(const std::string& name);
-/// All, by name.
+/// schemas returns all of them by name.
 Json schemas(const Cards& cards, const Caps& caps);
 
 }  // namespace least::server

@@ -1,4 +1,4 @@
-// The member `sensitivities` of requests and answers, as OpenAPI describes it.
+// The member `sensitivities` of requests and answers in OpenAPI.
 #pragma once
 
 #include "server/decode/json_parse.hpp"

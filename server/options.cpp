@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view prefix = "LEASTACTION_";
 
-// --max-steps → LEASTACTION_MAX_STEPS
+// environment_name returns LEASTACTION_MAX_STEPS for --max-steps.
 std::string environment_name(std::string option) {
   option.erase(0, 2);
   for (char& c : option) c = c == '-' ? '_' : static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
@@ -36,7 +36,7 @@ CLI::Option* add(CLI::App& app, const std::string& name, T& value, const std::st
   return app.add_option(name, value, doc)->envname(environment_name(name))->capture_default_str();
 }
 
-// A range takes what is no number for a number within it.
+// CLI::Range accepts NaN.
 const CLI::Validator finite(
     [](const std::string& text) {
       double x = 0;
@@ -45,7 +45,7 @@ const CLI::Validator finite(
     },
     "", "finite");
 
-// `100M` as the number of bytes that it is: powers of 1024, as for what runs containers.
+// Accepts `100M` as a number of bytes, with powers of 1024 as container runtimes use.
 const CLI::Validator size(
     [](std::string& text) {
       constexpr std::string_view units = "KMG";
@@ -62,8 +62,8 @@ const CLI::Validator size(
     },
     "", "size");
 
-// An origin as browsers send it, RFC 6454: `https://example.org`, `http://[::1]:8000`. Anything else would meet no
-// page, and what holds a blank or a semicolon would say more in the policy of the page than an origin.
+// An origin as browsers send it, RFC 6454: `https://example.org`, `http://[::1]:8000`. Anything else would match no
+// page, and a text with a blank or a semicolon would add directives to the policy of the page.
 const CLI::Validator origin(
     [](std::string& text) {
       static const std::regex form(R"([a-z][a-z0-9+.-]*://([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?)");
@@ -74,7 +74,7 @@ const CLI::Validator origin(
       return std::string();
     },
     "", "origin");
-// Pages without an origin of their own, as those in files, say `null`.
+// Pages without an origin, such as files, send `null`.
 const CLI::Validator origin_or_none([](std::string& text) { return text == "null" ? std::string() : origin(text); }, "",
                                     "origin");
 
@@ -122,7 +122,7 @@ void add_serve(CLI::App& app, Options& options) {
           [](std::string& text) {
             const std::string address = address_of(text);
             if (address.empty()) return "`" + text + "` is no address";
-            text = address;  // as it is written of connections
+            text = address;  // in the notation that is used for connections
             return std::string();
           },
           "", "address"));
@@ -137,13 +137,14 @@ void add_serve(CLI::App& app, Options& options) {
       ->transform(origin);
 }
 
-/// Whether a command line names an option, alone or with its value.
+/// names_option tells whether a command line has an option, alone or with its value.
 bool names_option(std::span<const char* const> arguments, std::string_view option) {
   return std::any_of(arguments.begin(), arguments.end(),
                      [&](std::string_view argument) { return argument.substr(0, argument.find('=')) == option; });
 }
 
-/// A line on the first word that the program does not know: what may have been meant, or what there is; else nothing.
+/// meant returns a line about the first unknown word: what may have been meant, or what is available; empty where all
+/// words are known.
 std::string meant(const CLI::App& app, std::span<const char* const> arguments) {
   const CLI::App* command = &app;
   std::vector<std::string> options;
@@ -168,8 +169,8 @@ std::string meant(const CLI::App& app, std::span<const char* const> arguments) {
   return {};
 }
 
-/// What the environment says to this program: variables by name. They are taken out of it, so that nothing but
-/// `with_variables` reads them: CLI11 would ask them even where the command line has the option, or pass over mistakes.
+/// taken_variables returns the program's environment variables and removes them, so that only with_variables uses them:
+/// CLI11 would read them even where the command line has the option, or ignore mistakes in them.
 std::map<std::string, std::string> taken_variables() {
   std::map<std::string, std::string> taken;
   for (char** entry = environ; entry && *entry; ++entry) {
@@ -181,7 +182,7 @@ std::map<std::string, std::string> taken_variables() {
   return taken;
 }
 
-/// The command that the arguments name; null where there is none.
+/// command_of returns the command that the arguments name; null where there is none.
 CLI::App* command_of(CLI::App& app, std::span<const char* const> arguments) {
   for (const char* argument : arguments)
     for (CLI::App* command : app.get_subcommands({}))
@@ -189,7 +190,7 @@ CLI::App* command_of(CLI::App& app, std::span<const char* const> arguments) {
   return nullptr;
 }
 
-/// The arguments, and behind them the options of their command that only a variable gives.
+/// with_variables returns the arguments, followed by the options of their command that only a variable sets.
 std::vector<std::string> with_variables(CLI::App& app, std::span<const char* const> arguments,
                                         const std::map<std::string, std::string>& variables) {
   std::vector<std::string> all(arguments.begin(), arguments.end());
@@ -204,7 +205,8 @@ std::vector<std::string> with_variables(CLI::App& app, std::span<const char* con
   return all;
 }
 
-/// What is to be said of variables that have no effect: no option has that name, or the command line has the option.
+/// said_of returns warnings about variables without effect: no option has that name, or the command line sets the
+/// option.
 std::vector<std::string> said_of(const CLI::App& app, std::span<const char* const> arguments,
                                  const std::map<std::string, std::string>& variables) {
   std::map<std::string, std::string> options;  // by variable
@@ -227,7 +229,7 @@ std::vector<std::string> said_of(const CLI::App& app, std::span<const char* cons
   return said;
 }
 
-/// A message that begins with an option whose value came from a variable names the variable.
+/// with_its_source replaces the option at the beginning of a message by the variable that set it.
 std::string with_its_source(std::string message, std::span<const char* const> arguments,
                             const std::map<std::string, std::string>& variables) {
   const std::string option = message.substr(0, message.find(':'));
@@ -271,7 +273,7 @@ Result<Options, int> parse_options(int argc, char** argv) {
   const auto variables = taken_variables();
   try {
     std::vector<std::string> words = with_variables(app, arguments, variables);
-    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    std::reverse(words.begin(), words.end());  // the order that CLI11 expects
     app.parse(words);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {

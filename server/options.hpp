@@ -15,16 +15,16 @@ struct Options {
   Command command = Command::serve;
   Settings settings;
   std::string file;                ///< of `run` and `ensemble`; `-` is standard input
-  std::string shard = "0/1";       ///< of `ensemble`: which blocks
-  std::string output;              ///< of `ensemble`: the part that is written; empty: the answer, on standard output
+  std::string shard = "0/1";       ///< of `ensemble`: which blocks, as index/count
+  std::string output;              ///< of `ensemble`: the part file to write; empty: the answer goes to standard output
   std::vector<std::string> parts;  ///< of `merge`
   std::string log_level = "info";
   LogFormat log_format = LogFormat::text;
-  std::vector<std::string> warnings;  ///< on variables of the environment that have no effect
+  std::vector<std::string> warnings;  ///< about environment variables that have no effect
 };
 
-/// Reads the options; every one may also come from the environment (`--max-steps` from LEASTACTION_MAX_STEPS). Where
-/// the program has nothing more to do (help, version, a mistake, which it has then told), the exit code instead.
+/// parse_options reads the options; each may also come from the environment (`--max-steps` from LEASTACTION_MAX_STEPS).
+/// Returns the exit code instead where the program is done: after help, version, or a mistake, which has been reported.
 Result<Options, int> parse_options(int argc, char** argv);
 
 }  // namespace least::server

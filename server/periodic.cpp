@@ -35,15 +35,15 @@ Answer closed_as_a_whole(const Context& context, const HttpRequest& request, con
   Answer answer;
   answer.type = "application/json";
   note_orbit(answer, *question, *found);
-  // Of manifolds one curve after the other is written, while what there is of them leaves.
+  // The curves of manifolds are written one by one while the answer is sent.
   answer.pieces = [question, found, next = std::size_t{0}](std::string& out) mutable {
     return encode_orbit(*question, *found, next++, out);
   };
   return answer;
 }
 
-// Nothing is kept but what is told at the end: each member leaves as it is found, and a client that takes no more ends
-// the search.
+// Keeps only what the last line needs: each member is sent as it is found, and a client that takes no more ends the
+// search.
 Answer closed_in_lines(const Context& context, const HttpRequest& request, const Shared& question,
                        const SharedMotions& motions, Admission::Pass&& pass) {
   Answer answer{200, "application/x-ndjson", {}, {}};
@@ -67,7 +67,7 @@ Answer closed_in_lines(const Context& context, const HttpRequest& request, const
     Answer told;
     note_orbit(told, *question, found);
     *notes = std::move(*told.notes);
-    held->reset();  // who has read the end finds the place free
+    held->reset();  // the place is free before the client can have read the end
     return orbit_end_line(*question, found);
   };
   return answer;

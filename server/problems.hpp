@@ -1,4 +1,4 @@
-// POST /v1/problems: the card of a scene, above all of one given as text.
+// POST /v1/problems: the card of a scene, in particular of one given as text.
 #pragma once
 
 #include "server/endpoint.hpp"

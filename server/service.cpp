@@ -32,7 +32,8 @@ constexpr ComputedRoute computed_routes[] = {{"/v1/simulate", simulate},
                                              {"/v1/periodic", close_orbit_request},
                                              {"/v1/problems", describe_scene}};
 
-// The first block doubles: a little more than its numbers, and what of them is on its way as text.
+// largest_answer: the first block doubles as it grows, so that its memory exceeds its numbers a little; and a part is
+// on its way as text.
 std::size_t largest_answer(const Caps& caps) {
   return (static_cast<std::size_t>(caps.samples) + (1 << 17)) * sizeof(double) + most_of_a_stream;
 }
@@ -53,8 +54,8 @@ void add_texts(Router& router, const Cards& cards, const Caps& caps) {
   router.add_text("/v1/schemes", "/v1/schemes", json, list_schemes(cards));
 }
 
-// What a scene takes too many operations for is told where it is known, in words of its own; what is not foreseen there
-// is a limit of the scene all the same, and no fault of the service.
+// Scenes with too many operations are normally refused with a specific message. A case that was not foreseen is still a
+// limit of the scene, not a fault of the service.
 Answer too_many_operations(std::string_view request_id) {
   Faults faults;
   faults.add({"/problem", "what is asked takes more operations than may be derived from a scene", {}, {}});
@@ -75,7 +76,7 @@ Prepared prepared(Endpoint endpoint, const Context& context, const HttpRequest& 
   return too_many_operations(request.id);
 }
 
-// Where somebody may have wanted to go, or what to send there.
+// hint returns a path that may have been meant, or what to send there.
 std::string hint(const Cards& cards, int status, std::string_view path) {
   if (status == 405) {
     const Json example = example_of(path, cards);

@@ -12,7 +12,8 @@ namespace least::server {
 
 struct Settings : HttpSettings {
   Caps caps;
-  std::size_t max_memory = std::size_t{1} << 30;  ///< bytes held for requests and answers; one largest fits
+  /// limit of bytes for requests and answers; the largest possible answer must fit
+  std::size_t max_memory = std::size_t{1} << 30;
 };
 
 class Service {
@@ -32,7 +33,7 @@ class Service {
   void hurry() { http_.hurry(); }
 
  private:
-  /// What asks whether the service lives, is ready, and what it does.
+  /// add_probes adds the health, readiness and metrics endpoints.
   void add_probes(Router& router);
 
   MemoryBudget memory_;

@@ -58,7 +58,7 @@ bool is_file(const std::string& path) {
   return std::filesystem::is_regular_file(path, error) && !error;
 }
 
-// Bytes of a line of a part: of its first ones, and of a block of the plan.
+// Limits of a line of a part: of its first two lines, and of a block of the plan.
 constexpr std::size_t most_of_head = std::size_t{16} << 20;
 std::size_t most_of_block(const EnsemblePlan& plan) {
   constexpr std::size_t names = std::size_t{1} << 20, longest = longest_number + 1;
@@ -72,14 +72,14 @@ std::size_t most_of_block(const EnsemblePlan& plan) {
   return names + longest * numbers;
 }
 
-// The lines of a part, and whether they are those that were written.
+// PartLines reads the lines of a part and checks that they are unchanged.
 class PartLines {
  public:
   explicit PartLines(const std::string& path) {
     if (is_file(path)) file_.open(path, std::ios::binary);
   }
   bool opened() const { return file_.is_open(); }
-  // A whole line, without its end: an object of so many bytes at most.
+  // next reads a whole line without its end, of at most so many bytes.
   bool next(std::string& line, std::size_t most) {
     line.clear();
     for (auto byte = bytes().sbumpc(); byte != end; byte = bytes().sbumpc()) {
@@ -94,7 +94,7 @@ class PartLines {
     }
     return false;
   }
-  // After so many blocks.
+  // ends tells whether the last line follows, after so many blocks.
   bool ends(std::int64_t blocks) {
     const std::string wanted = last_line(blocks, sum_);
     std::string line;
@@ -117,7 +117,7 @@ bool is_whole(const std::string& path, const std::string& head, std::int64_t blo
     if (!lines.next(line, most)) return false;
   return lines.ends(blocks);
 }
-// Whether its last line is that of a part, as far as can be told before the others are read.
+// has_an_end tells whether the last line is that of a part, as far as that is possible without reading the others.
 bool has_an_end(const std::string& path, std::int64_t blocks) {
   constexpr std::streamoff most = 64;
   std::ifstream file(path, std::ios::binary);
@@ -128,8 +128,8 @@ bool has_an_end(const std::string& path, std::int64_t blocks) {
   return at != std::string::npos && tail.find("}\n", at) == tail.size() - 2;
 }
 
-// Whether a part may take the place of what is there: nothing, another part, or as much of one as was written. An
-// answer in lines begins as a part does; its second line tells them apart.
+// may_be_replaced tells whether a part may overwrite a file: none, another part, or an incomplete one. An NDJSON answer
+// begins like a part; its second line differs.
 bool may_be_replaced(const std::string& path) {
   constexpr std::string_view head = "{\"kind\":\"head\"", shard = "{\"kind\":\"shard\"";
   std::error_code error;
@@ -146,8 +146,8 @@ bool may_be_replaced(const std::string& path) {
   return begun(first, head) && (!whole || begun(second, shard));
 }
 
-// A file that is there under its own name once all of it is written. Until then it is hidden, so that what a power cut
-// leaves of it is not among `part.*`, and named after whoever writes it: processes of several containers have one
+// PartialFile gets its own name only when it is complete. Until then it is hidden, so that remains after a power cut do
+// not match `part.*`, and its name contains host and process, as processes of several containers may have the same
 // number.
 class PartialFile {
  public:
@@ -184,7 +184,7 @@ Answer refused(std::string pointer, std::string detail, std::string allowed, std
   return problem_document(faults, id);
 }
 
-// A part as it is read: its first two lines, then block after block.
+// Part is a part that is being read: its first two lines, then block after block.
 struct Part {
   std::string path;
   PartLines lines;
@@ -227,7 +227,7 @@ Part open_part(const std::string& path, Faults& faults) {
 }
 
 Result<EnsemblePlan, Faults> plan_of(const Part& part, const Cards& cards) {
-  constexpr Caps caps{1e9, greatest_count, 1'000'000'000};  // what was allowed was decided where it was computed
+  constexpr Caps caps{1e9, greatest_count, 1'000'000'000};  // the limits were checked where the part was computed
   auto parsed = parse_json(part.head);
   Faults faults;
   faults.add({"/" + part.path, part.path + " is no part of an ensemble of this version", {}, {}});
@@ -239,7 +239,7 @@ Result<EnsemblePlan, Faults> plan_of(const Part& part, const Cards& cards) {
   return plan;
 }
 
-// One of the ensemble that most of the parts are of.
+// one_of_most returns a part of the ensemble to which most of the parts belong.
 const Part& one_of_most(const std::vector<Part>& parts) {
   std::map<std::pair<std::string_view, std::int64_t>, int> counts;
   const auto count = [&](const Part& part) -> int& { return counts[{part.head, part.shard.of}]; };
@@ -247,7 +247,7 @@ const Part& one_of_most(const std::vector<Part>& parts) {
   return *std::ranges::max_element(parts, {}, count);
 }
 
-// Faults of the parts against each other; none: they are all there, once.
+// check_parts notes faults of the parts as a set; none: they are all there, once.
 void check_parts(const std::vector<Part>& parts, const Part& model, const EnsemblePlan& plan, Faults& faults) {
   const std::int64_t of = model.shard.of;
   std::vector<const Part*> seen(static_cast<std::size_t>(of));
@@ -273,7 +273,7 @@ void check_parts(const std::vector<Part>& parts, const Part& model, const Ensemb
   if (!missing.empty()) faults.add({"", "there is no part for the shards " + missing, {}, {}});
 }
 
-// What a merge costs, and with it how far it carries: it alone is not shared out.
+// Logs the cost of a merge, which alone is not distributed, and what it would be for very large ensembles.
 void tell_of_merge(std::int64_t blocks, double seconds) {
   const double of_one = seconds / static_cast<double>(blocks), members = 1e12;
   LogLine(spdlog::level::info, "merged")
@@ -336,7 +336,7 @@ Answer write_part(const Context& context, const HttpRequest& request, const std:
 
 Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, std::string_view id) {
   rlimit files{};
-  if (::getrlimit(RLIMIT_NOFILE, &files) == 0) {  // every part is open at once: blocks come in their order
+  if (::getrlimit(RLIMIT_NOFILE, &files) == 0) {  // all parts are open at once, as blocks are read in order
     files.rlim_cur = files.rlim_max;
     ::setrlimit(RLIMIT_NOFILE, &files);
   }

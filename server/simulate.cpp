@@ -23,25 +23,25 @@ namespace {
 
 constexpr std::string_view in_lines = "application/x-ndjson";
 
-// What a run left behind.
+// Ended is the result of a run.
 struct Ended {
   Solution outcome;
-  std::optional<variations::Sensitivities> sensitivities;  // where they are asked for
+  std::optional<variations::Sensitivities> sensitivities;  // nothing where none are asked for
 
   const variations::Sensitivities* slopes() const { return sensitivities ? &*sensitivities : nullptr; }
   std::size_t numbers_of_slopes() const {
     return sensitivities ? sensitivities->samples.size() * sensitivities->final.size() : 0;
   }
-  // The text of all of them at once is held, or they are left out.
+  // Charges the text of all slopes at samples; where memory is short, they are left out.
   void hold_text_of_slopes() {
-    constexpr std::size_t copies = 2;  // what is written, and what is on its way
+    constexpr std::size_t copies = 2;  // the text written, and the text on its way
     if (!sensitivities || sensitivities->held.grow_by(copies * numbers_of_slopes() * (longest_number + 1))) return;
     sensitivities->samples = {};
     sensitivities->reason = "there is no room for the text of those at samples: other forms are written piece by piece";
   }
 };
 
-// A run that is to be, or was, and how it was chosen where the client did not say. Stays where it is.
+// Task is a run, planned or finished, with the advice if its scheme was chosen. Not movable.
 class Task {
  public:
   /// `advice` may be null.
@@ -74,7 +74,7 @@ class Task {
       variations::VariedRun run(std::move(request), sensitivities_);
       outcome = run.go(receiver, cancelled);
       ended.sensitivities = run.sensitivities(outcome, cancelled);
-      constexpr double worthless = 0.1;  // as what a run is off by
+      constexpr double worthless = 0.1;  // relative uncertainty from which derivatives are worthless
       if (const double doubt = ended.sensitivities->uncertainty; doubt > worthless)
         outcome.warnings.push_back({"uncertain_sensitivities", messages::uncertain_sensitivities(doubt)});
     } else {
@@ -117,9 +117,9 @@ FinishedRun finished(const Task& task, const Ended& ended, const KeptRun& rows) 
           ended.slopes()};
 }
 
-// The answer when the run is over. Of a large one only the numbers are kept: it is written while it leaves.
+// The answer when the run is over. Of a large one only the numbers are kept; it is written while it is sent.
 Answer answer_whole(const SharedTask& task, const HttpRequest& question, const Form& form) {
-  constexpr std::size_t large = 32 * 1024;  // numbers, of about 20 bytes each as text
+  constexpr std::size_t large = 32 * 1024;  // numbers, about 20 bytes each as text
   auto rows = std::make_shared<KeptRun>(task->planned().request, &task->context().memory);
   Ended ended;
   {
@@ -147,7 +147,7 @@ Answer answer_whole(const SharedTask& task, const HttpRequest& question, const F
   return answer;
 }
 
-// Lines that leave as the run goes on. Nothing is kept, and a client that takes no more ends the run.
+// Lines are sent as the run goes on. Nothing is kept, and a client that takes no more ends the run.
 class Lines final : public RowSink {
  public:
   Lines(const PlannedRun& run, const Write& write) : run_(run), write_(write) {}
@@ -163,7 +163,7 @@ class Lines final : public RowSink {
  private:
   const PlannedRun& run_;
   const Write& write_;
-  std::int64_t points_ = 0;  ///< that have left
+  std::int64_t points_ = 0;  ///< points sent so far
 };
 
 Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admission::Pass&& pass) {
@@ -181,7 +181,7 @@ Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admi
     Ended ended;
     try {
       ended = task->run(lines, watch.cancelled());
-    } catch (const MemoryShortage& shortage) {  // what was known leaves as lines did
+    } catch (const MemoryShortage& shortage) {  // the rows so far have been sent as lines
       ended = {};
       ended.outcome.stop = {ReturnCode::memory, shortage.what(), forward_of(*planned.request.scene).start, 0, {}};
     }
@@ -189,13 +189,13 @@ Answer answer_in_lines(const SharedTask& task, const HttpRequest& question, Admi
     Answer told;
     note_run(told, planned, ended.outcome);
     *notes = std::move(*told.notes);
-    held->reset();  // who has read the end finds the place free
+    held->reset();  // the place is free before the client can have read the end
     return run_end_line(planned, ended.outcome, ended.slopes());
   };
   return answer;
 }
 
-// Why there is nothing to run.
+// no_choice answers a wish for which no scheme could be chosen.
 Answer no_choice(const Context& context, const HttpRequest& request, const SimulateRequest& asked, const Advice& advice,
                  ReturnCode end) {
   Faults faults;
@@ -218,8 +218,8 @@ Answer no_choice(const Context& context, const HttpRequest& request, const Simul
   return problem_document(faults, request.id);
 }
 
-// What is wrong with a run whose scheme was chosen, as if its echo were sent: a step that no request could ask for,
-// where the motion cannot be followed, or more samples than are to be kept.
+// faults_of_choice returns the faults of a run whose scheme was chosen, as if its echo had been sent: a step that no
+// request may have, where the motion cannot be followed, or too many samples.
 std::optional<Faults> faults_of_choice(const Task& task) {
   std::string echo;
   JsonWriter json(echo);
@@ -236,14 +236,15 @@ std::optional<Faults> faults_of_choice(const Task& task) {
   return faults;
 }
 
-// The run with the scheme that grants its wish, or why there is none. Choosing and running keep the limit together.
+// choose returns the run with the scheme that grants its wish, or why there is none. Choosing and running share the
+// time limit.
 Result<SharedTask, Answer> choose(const Context& context, const HttpRequest& request, SimulateRequest& asked) {
   const auto from = Admission::Clock::now();
   const double limit = asked.run.limits.seconds;
   Advice advice;
   ReturnCode end;
   {
-    constexpr double margin = 0.05;  // the core takes half of it by itself; what it cannot interrupt is cut off
+    constexpr double margin = 0.05;  // the core itself takes at most half; what it cannot interrupt is cut off
     const CancellationWatch watch(context.cancelled, request.gone, limit / 2 + margin);
     advice = advise(asked.run, *asked.wish, watch.cancelled());
     if (goes_backward(*asked.run.scene)) advice.reason.turn_times();

@@ -12,7 +12,7 @@
 namespace least::server {
 namespace {
 
-// The core keeps to its budget between runs; beyond this much more of it, in seconds, it is cut off.
+// The core checks its budget between runs; it is cut off when it exceeds the budget by this many seconds.
 constexpr double margin = 1;
 
 Answer measured_as_a_whole(const Context& context, const HttpRequest& request, const StudyPlan& plan) {
@@ -22,7 +22,7 @@ Answer measured_as_a_whole(const Context& context, const HttpRequest& request, c
   return {200, "application/json", encode_study({plan, context.cards}, study, end_of(watch)), {}};
 }
 
-// Nothing of the study is kept for the client: each line leaves as it comes, and a client that takes no more ends it.
+// Keeps nothing for the client: each line is sent as it comes, and a client that takes no more ends the study.
 class StudyStream {
  public:
   StudyStream(const Context& context, StudyPlan&& plan, const HttpRequest& request, Admission::Pass&& pass)
@@ -41,8 +41,8 @@ class StudyStream {
     plan_.begun = head;
     const CancellationWatch watch(context_.cancelled, gone_, plan_.budget_seconds + margin);
     const auto study = work_precision(plan_, seen, watch.cancelled());
-    if (!begun) head(study);  // it ended before it began
-    pass_.reset();            // who has read the end finds the place free
+    if (!begun) head(study);  // the study ended before it began
+    pass_.reset();            // the place is free before the client can have read the end
     return encode_study_end(planned, study, taken ? end_of(watch) : ReturnCode::cancelled);
   }
 
@@ -66,7 +66,7 @@ Answer measured_stability(const Context& context, const HttpRequest& request, co
   std::vector<StabilityLimit> limits;
   for (const SchemeConfig& scheme : plan.schemes) {
     auto limit = longest_stable_step_of(plan.scene, scheme, watch.cancelled());
-    if (watch.cancelled()) break;  // a search that was cut off found nothing
+    if (watch.cancelled()) break;  // a search that was cut off has found nothing
     limits.push_back(std::move(limit));
   }
   return {

@@ -1,11 +1,11 @@
-// The studies from the text of a request to the answer.
+// The studies, from the text of a request to the answer.
 #pragma once
 
 #include "server/endpoint.hpp"
 
 namespace least::server {
 
-/// POST /v1/work-precision: as a whole, or line by line while it is measured.
+/// POST /v1/work-precision: the whole answer, or line by line while it is measured.
 Prepared measure_work_precision(const Context& context, const HttpRequest& request);
 
 /// POST /v1/stability.

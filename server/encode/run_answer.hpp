@@ -85,12 +85,12 @@ struct Form {
 /// forms() returns all formats, the default first:
 /// - `application/json`: the response of the API.
 /// - `text/csv`: a line of column names, then a line per sample; missing values are empty. The other parts are JSON in
-/// the header fields `Leastaction-Status`, `-Stop`, `-End`, `-Request` (the echo), `-Choice`, `-Final`, `-Diagnostics`,
-/// `-Events`, `-Sensitivities`, `-Cost` and `-Warnings`, each on one line. A field that would exceed 4 KiB is
-/// `{"omitted":true}`; the other formats contain it. The points of a section are such a part, `-Section`; where no
-/// trajectory is kept they are the lines.
+///   the header fields `Leastaction-Status`, `-Stop`, `-End`, `-Request` (the echo), `-Choice`, `-Final`,
+///   `-Diagnostics`, `-Events`, `-Sensitivities`, `-Cost` and `-Warnings`, each on one line. A field that would exceed
+///   4 KiB is `{"omitted":true}`; the other formats contain it. The points of a section are such a part, `-Section`;
+///   where no trajectory is kept they are the lines.
 /// - `application/cbor` (RFC 8949): the members of JSON, with the columns of the trajectory as typed arrays (RFC 8746)
-/// of little-endian binary64 and NaN where there is no value; a column of words is an array of texts.
+///   of little-endian binary64 and NaN where there is no value; a column of words is an array of texts.
 std::span<const Form> forms();
 /// write_points writes the section of a run that has one, as an object.
 void write_points(JsonWriter& json, const FinishedRun& run);

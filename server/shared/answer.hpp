@@ -1,4 +1,4 @@
-// What the service says to one request, before it is put on a wire (HTTP) or a terminal (`run`).
+// The answer of the service to one request, before it is sent over HTTP or written to a terminal (`run`).
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace least::server {
 
-/// Takes the next piece of a body; false: the client takes no more.
+/// Write receives the next piece of a body; false: the client takes no more.
 using Write = std::function<bool(std::string_view)>;
 
-/// What the log says of an answer beside what is said of all.
+/// Note is what the log says of an answer besides the common fields.
 struct Note {
   std::string_view name;
   std::variant<std::string, double, std::int64_t> value;
@@ -27,22 +27,22 @@ struct Answer {
   std::string type;  ///< media type of the body
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;  ///< further header fields
-  /// Stands in place of `body` where that is computed while it is sent: whoever computes waits for the client to take
-  /// it, but not for its end to be taken, which is what is returned: a place to compute may be given back before.
-  /// Nothing: its end is missing.
+  /// Used instead of `body` if that is computed while it is sent: it writes all but the end, waiting for the client to
+  /// take it, and returns the end, for which it does not wait, so that the place to compute can be given back. Nothing:
+  /// the end is missing.
   std::function<std::optional<std::string>(const Write&)> stream = nullptr;
   /// How each piece of a stream begins, and its end; may be empty.
   std::string_view begins{};
-  /// Stands in place of `body` where that is only to be written, whenever there is room: appends the next piece. False:
-  /// it was the last.
+  /// Used instead of `body` if that only has to be written, as there is room: appends the next piece. False: it was the
+  /// last.
   std::function<bool(std::string&)> pieces = nullptr;
-  /// Shared with a stream, which knows more at its end.
+  /// Shared with the stream, which may add notes at its end.
   std::shared_ptr<std::vector<Note>> notes = nullptr;
 
   void note(std::string_view name, std::variant<std::string, double, std::int64_t> value) {
     if (!notes) {
       notes = std::make_shared<std::vector<Note>>();
-      notes->reserve(5);  // of a run
+      notes->reserve(5);  // enough for a run
     }
     notes->push_back({name, std::move(value)});
   }

@@ -1,5 +1,5 @@
-// What compares a run with a motion that knows no acts: it is refused beside events that act, and stands on no card of
-// a problem that moves by them.
+// Diagnostics that compare a run with a motion without acting events: they are refused together with events that act,
+// and omitted from the cards of problems whose motion includes such events.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The cards of problems and schemes that requests are held against and answers are written from.
+// The cards of problems and schemes, against which requests are checked and from which answers are written.
 #pragma once
 
 #include <array>
@@ -15,20 +15,21 @@ struct Cards {
   std::span<const SchemeCard> schemes;
 };
 
-/// The card of `auto`, with all parameters but `keep`, which is a list. The core knows no such scheme; it is chosen
-/// before a run.
+/// auto_card() returns the card of `auto`, with all parameters but `keep`, which is a list. The core has no such
+/// scheme; it is replaced before a run.
 const SchemeCard& auto_card();
 
-/// What `keep` may ask for.
+/// The values of `keep`.
 inline constexpr std::array<std::string_view, 3> keep_names{"energy", "structure", "momenta"};
 
-/// How an error may be asked for, in the order of Norm.
+/// The names of norms in requests, in the order of Norm.
 inline constexpr std::array<std::string_view, 2> norm_names{"absolute", "relative"};
 
-/// A parameter's value the way a request spells it: choices by name, flags as booleans, NaN as null or the card's word
-/// for it.
+/// write_parameter writes a parameter's value as a request spells it: choices by name, flags as booleans, NaN as null
+/// or the card's word for it.
 void write_parameter(JsonWriter& json, const ParameterCard& card, double value);
-/// The same of the i-th setting of a scheme: also {"weights": […], "order": …} of a composition of one's own.
+/// write_setting does the same for the i-th setting of a scheme; a custom composition becomes {"weights": […], "order":
+/// …}.
 void write_setting(JsonWriter& json, const SchemeCard& card, std::span<const double> settings, std::size_t i);
 
 }  // namespace least::server

@@ -10,25 +10,25 @@
 
 namespace least::server {
 
-/// One thing wrong with a request.
+/// Fault is one thing that is wrong with a request.
 struct Fault {
   std::string pointer;  ///< JSON pointer to the place
   std::string detail;   ///< what is wrong, in words
-  std::string value;    ///< JSON text of what stands there, bounded in size; empty: nothing to show
-  std::string allowed;  ///< what may stand there; empty: not to be said in a line
-  /// Of what is wrong within a text: the character, from 0.
+  std::string value;    ///< JSON text of the value there, limited in size; empty: nothing to show
+  std::string allowed;  ///< what is allowed there; empty where that takes more than a line
+  /// For a fault within a text, the index of the character, from 0.
   std::optional<std::size_t> position{};
 };
 
-/// The faults found so far: one per place, a bounded number in all.
+/// Faults are the faults found so far: one per place, and a limited number.
 class Faults {
  public:
   static constexpr std::size_t most = 100;
   static constexpr std::size_t suggestions = 10;
 
-  /// Whether no more are taken: reading on would be for nothing.
+  /// full() tells that no more are stored, so that reading on is useless.
   bool full() const { return list_.size() >= most; }
-  /// Whether one more of them may cost a search for what was meant.
+  /// may_suggest() tells, for the first few calls, that a fault may search for a similar name.
   bool may_suggest() { return suggested_++ < suggestions; }
 
   void add(Fault fault) {
@@ -37,7 +37,7 @@ class Faults {
   bool at(const std::string& pointer) const {
     return std::any_of(list_.begin(), list_.end(), [&](const Fault& f) { return f.pointer == pointer; });
   }
-  /// Whether there is a fault at the pointer or below it.
+  /// within tells whether there is a fault at the pointer or below it.
   bool within(const std::string& pointer) const {
     return std::any_of(list_.begin(), list_.end(), [&](const Fault& f) {
       return f.pointer.starts_with(pointer) && (f.pointer.size() == pointer.size() || f.pointer[pointer.size()] == '/');

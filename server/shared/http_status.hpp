@@ -1,14 +1,14 @@
-// The statuses that the service answers with, and their words.
+// The statuses of the service's answers, and their words.
 #pragma once
 
 #include <string_view>
 
 namespace least::server {
 
-/// The phrase that belongs to a status ("Not Found").
+/// phrase returns the phrase of a status ("Not Found").
 std::string_view phrase(int status);
 
-/// The name of an error in the `type` of a problem document ("not-found").
+/// error_name returns the name of an error in the `type` of a problem document ("not-found").
 std::string_view error_name(int status);
 
 }  // namespace least::server

@@ -1,4 +1,4 @@
-// JSON written straight into a string: no tree, shortest numbers that read back to the same double.
+// Writes JSON directly into a string: without a tree, with the shortest numbers that read back to the same double.
 #pragma once
 
 #include <cstddef>
@@ -9,38 +9,38 @@
 
 namespace least::server {
 
-/// No number is longer.
+/// The most characters of a number.
 inline constexpr std::size_t longest_number = 24;
 
-/// Writes a number into so many bytes and returns where it ends; what is not finite becomes `null`. Minus zero is
-/// `-0.0`: a reader takes a bare `-0` for an integer.
+/// write_number writes a number of at most longest_number bytes and returns its end; values that are not finite become
+/// `null`. Minus zero is written `-0.0`, as readers take a bare `-0` for an integer.
 char* write_number(char* at, double x);
 
-/// Appends a number, the same way.
+/// append_number appends a number likewise, after a comma if wanted.
 void append_number(std::string& out, double x, bool comma = false);
 void append_number(std::string& out, std::int64_t n, bool comma = false);
 
-/// Appends a quoted string. `ascii` escapes everything beyond ASCII too (for header fields).
+/// append_string appends a quoted string. `ascii` also escapes everything beyond ASCII (for header fields).
 void append_string(std::string& out, std::string_view text, bool ascii = false);
-/// What stands before and after it.
+/// Separators are a comma before and a colon after a string.
 struct Separators {
   bool comma = false, colon = false;
 };
 void append_string(std::string& out, std::string_view text, Separators around, bool ascii);
 
-/// The head of an item of CBOR (RFC 8949, 3): its major type and its number.
+/// append_cbor_head appends the head of a CBOR item (RFC 8949, 3): its major type and argument.
 void append_cbor_head(std::string& out, unsigned major, std::uint64_t number);
-/// A number as binary64; what is not finite becomes null, as in JSON.
+/// append_cbor appends a number as binary64; values that are not finite become null, as in JSON.
 void append_cbor(std::string& out, double x);
 
-/// What the values are written as: JSON, the same in plain ASCII, or the same data model in CBOR, its lists and maps of
-/// indefinite length.
+/// Notation of the values: JSON, JSON in plain ASCII, or the same data in CBOR, with lists and maps of indefinite
+/// length.
 enum class Notation { json, ascii, cbor };
 
-/// Separators are put by the writer: `key` and the values know whether they come first.
+/// JsonWriter inserts separators itself: keys and values know whether they come first.
 class JsonWriter {
  public:
-  /// `first`: nothing stands yet in what is open.
+  /// `first`: the open object or list is still empty.
   explicit JsonWriter(std::string& out, Notation notation = Notation::json, bool first = true)
       : out_(out), notation_(notation), first_(first) {}
 
@@ -77,7 +77,7 @@ class JsonWriter {
   }
   JsonWriter& boolean(bool value) { return cbor() ? byte(value ? 0xF5 : 0xF4) : raw(value ? "true" : "false"); }
   JsonWriter& null() { return cbor() ? byte(0xF6) : raw("null"); }
-  /// JSON text that is known to be well-formed; not in CBOR.
+  /// raw writes JSON text that must be well-formed; not in CBOR.
   JsonWriter& raw(std::string_view json) {
     comma();
     out_ += json;
@@ -103,7 +103,7 @@ class JsonWriter {
     }
     return *this;
   }
-  /// Whether something stands before what comes now.
+  /// comes_after() tells whether the next item is not the first, and marks that one follows.
   bool comes_after() { return !std::exchange(first_, false); }
   void comma() {
     if (comes_after() && !cbor()) out_ += ',';
@@ -113,7 +113,7 @@ class JsonWriter {
   bool first_;
 };
 
-/// A list of texts.
+/// write_texts writes a list of texts.
 template <class Texts>
 void write_texts(JsonWriter& json, const Texts& texts) {
   json.open('[');

@@ -1,4 +1,4 @@
-// The rows of an answer until they leave: as numbers, the only form in which all of them are in memory at once.
+// The rows of an answer until they are sent: as numbers, the only form in which all of them are in memory.
 #pragma once
 
 #include <algorithm>
@@ -12,18 +12,18 @@
 
 namespace least::server {
 
-/// Rows in blocks, so that more of them move nothing and what is freed can go back to the system. `budget` may be null:
-/// no bound.
+/// KeptRows stores rows in blocks, so that growing moves nothing and freed memory can return to the system. `budget`
+/// may be null: unlimited.
 class KeptRows final : public RowSink {
  public:
   explicit KeptRows(std::size_t columns, MemoryBudget* budget = nullptr)
       : columns_(std::max<std::size_t>(columns, 1)), held_(budget) {}
 
-  /// False: there is no memory left in the budget.
+  /// append returns false where the budget has no memory left.
   bool append(std::span<const double> rows) override {
     while (!rows.empty()) {
       if (blocks_.empty() || blocks_.back().size() == block_size()) {
-        // The first grows with what is put into it: most runs are short.
+        // the first block grows with its content, as most runs are short
         if (!grow(blocks_.empty() ? 0 : block_size())) return false;
       }
       std::vector<double>& block = blocks_.back();
@@ -41,7 +41,7 @@ class KeptRows final : public RowSink {
     for (const auto& block : blocks_) numbers += block.size();
     return numbers / columns_;
   }
-  /// How many slices there are: some thousand numbers of whole rows each, one after the other.
+  /// slices() returns the number of slices: consecutive parts of some thousand numbers, whole rows each.
   std::size_t slices() const {
     if (blocks_.empty()) return 0;
     return (blocks_.size() - 1) * slices_of(block_size()) + slices_of(blocks_.back().size());
@@ -51,12 +51,12 @@ class KeptRows final : public RowSink {
     const std::span<const double> block = blocks_[i / each];
     return block.subspan(from, std::min(slice_size(), block.size() - from));
   }
-  /// How many rows stand before that slice.
+  /// rows_before returns the number of rows before a slice.
   std::size_t rows_before(std::size_t i) const {
     const std::size_t each = slices_of(block_size());
     return (i / each * block_size() + i % each * slice_size()) / columns_;
   }
-  /// Whether rows were turned away.
+  /// overflowed() tells whether rows were rejected.
   bool overflowed() const { return overflowed_; }
 
  private:
@@ -91,7 +91,7 @@ class KeptRows final : public RowSink {
   bool overflowed_ = false;
 };
 
-/// The samples of a run, and the points of its section.
+/// KeptRun stores the samples of a run, and the points of its section.
 struct KeptRun final : RowSink {
   KeptRows samples, points;
 

@@ -32,7 +32,7 @@ void use(std::shared_ptr<spdlog::logger> logger, const std::string& level, LogFo
   current_format = format;
 }
 
-// What would not be told from the next field, or from the next line.
+// Such a value could not be told from the next field, or from the next line
 bool needs_quotes(std::string_view value) {
   return value.empty() || std::any_of(value.begin(), value.end(), [](char c) {
            return static_cast<unsigned char>(c) <= 0x20 || c == '"' || c == '=' || c == 0x7F;
@@ -98,7 +98,7 @@ class LogQueue::Sink final : public spdlog::sinks::base_sink<std::mutex> {
         return;
       }
       lines_.emplace_back(line.data(), line.size());
-      if (lines_.size() > 1) return;  // whoever writes is at it
+      if (lines_.size() > 1) return;  // the thread is writing already
     }
     came_.notify_one();
   }
@@ -116,14 +116,15 @@ class LogQueue::Sink final : public spdlog::sinks::base_sink<std::mutex> {
       const bool written = write(line);
       lock.lock();
       if (written) continue;
-      dropped += 1 + std::exchange(lines_, {}).size();  // nobody is there, or nobody reads at the end
+      // there is no reader, or it reads nothing while the service ends
+      dropped += 1 + std::exchange(lines_, {}).size();
     }
   }
 
-  // In pieces that a pipe takes as a whole where it takes anything: `write` then never waits.
+  // Writes pieces that a pipe takes entirely or not at all, so that `write` never blocks.
   bool write(std::string_view text) {
     constexpr std::size_t piece = 4096;
-    constexpr int glance = 100, patience = 5;  // in milliseconds; in glances, once it is to end
+    constexpr int glance = 100, patience = 5;  // milliseconds; and a number of glances, while it ends
     for (int tries = 0; !text.empty();) {
       pollfd entry{descriptor_, POLLOUT, 0};
       const int ready = ::poll(&entry, 1, glance);
@@ -145,7 +146,7 @@ class LogQueue::Sink final : public spdlog::sinks::base_sink<std::mutex> {
   std::condition_variable came_;
   std::deque<std::string> lines_;
   bool closing_ = false;
-  std::thread thread_{[this] { work(); }};  // last: it uses the others
+  std::thread thread_{[this] { work(); }};  // last, as the thread uses the other members
 };
 
 LogQueue::LogQueue(int descriptor, const std::string& level, LogFormat format, std::size_t most_lines)

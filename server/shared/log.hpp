@@ -1,4 +1,4 @@
-// The log: lines of an event and its fields, as text or as JSON, that never hold up who writes them.
+// The log: lines of an event with its fields, as text or as JSON, which never block the writer.
 #pragma once
 
 #include <spdlog/common.h>
@@ -15,8 +15,8 @@ namespace least::server {
 
 enum class LogFormat { text, json };
 
-/// One line, written when it ends: `LogLine(spdlog::level::info, "start").with("url", url);`
-/// As text `start url=http://…`, as JSON `{"time": …, "level": …, "event": "start", "url": …}`.
+/// LogLine is one line, written by its destructor: `LogLine(spdlog::level::info, "start").with("url", url);` gives
+/// `start url=http://…` as text, and `{"time": …, "level": …, "event": "start", "url": …}` as JSON.
 class LogLine {
  public:
   using Value = std::variant<std::string, double, std::int64_t>;
@@ -34,15 +34,15 @@ class LogLine {
   std::string text_;
 };
 
-/// To standard error, at once. For commands that answer one request.
+/// log_directly logs to standard error, at once; for commands that answer one request.
 void log_directly(const std::string& level);
 
-/// To a file descriptor, by a thread of its own, as long as this lives. Lines that cannot be written yet wait, a
-/// bounded number of them; those beyond are dropped and counted. Throws where no thread can be started.
+/// LogQueue logs to a file descriptor, by a thread of its own, while it lives. A limited number of lines wait if they
+/// cannot be written; further ones are dropped and counted. Throws where no thread can be started.
 class LogQueue {
  public:
   LogQueue(int descriptor, const std::string& level, LogFormat format, std::size_t most_lines = 10'000);
-  /// Writes what waits, but gives up on a reader that takes nothing for half a second.
+  /// Writes the waiting lines, but gives up on a reader that takes nothing for half a second.
   ~LogQueue();
 
  private:
@@ -50,7 +50,7 @@ class LogQueue {
   std::shared_ptr<Sink> sink_;
 };
 
-/// Lines that were dropped so far.
+/// dropped_log_lines() returns how many lines have been dropped so far.
 std::uint64_t dropped_log_lines();
 
 }  // namespace least::server

@@ -1,4 +1,4 @@
-// The budget of core/memory_budget.hpp, for the transport, which sees nothing else of the core.
+// Gives the transport the budget of core/memory_budget.hpp, the only part of the core that it uses.
 #pragma once
 
 #include "core/memory_budget.hpp"

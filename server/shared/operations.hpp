@@ -1,4 +1,4 @@
-// What can be asked of the service, in one table: the index and the OpenAPI document are made from it.
+// The operations of the service in one table, from which the index and the OpenAPI document are generated.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@ struct Operation {
   std::string_view method, path, title;
 };
 
-/// In the order in which they are told.
+/// In the order of the document.
 inline std::span<const Operation> operations() {
   static constexpr Operation all[] = {
       {"POST", "/v1/simulate", "one run"},

@@ -1,4 +1,4 @@
-// A value or the reason why there is none.
+// Result is a value, or the reason why there is none.
 #pragma once
 
 #include <utility>

@@ -5,6 +5,7 @@
 
 namespace least::server {
 
+/// describe_scene answers with the card of the scene in the request.
 Prepared describe_scene(const Context& context, const HttpRequest& request);
 
 }  // namespace least::server

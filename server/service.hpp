@@ -16,12 +16,13 @@ struct Settings : HttpSettings {
   std::size_t max_memory = std::size_t{1} << 30;
 };
 
+/// Service owns the HTTP server with all endpoints, and the memory budget of its requests.
 class Service {
  public:
   Service(const Settings& settings, std::span<const Asset> assets);
   ~Service() { stop(); }
 
-  /// See HttpServer.
+  /// As HttpServer::start(), and likewise below.
   std::optional<std::string> start() { return http_.start(); }
   std::string url() const { return http_.url(); }
   int port() const { return http_.port(); }

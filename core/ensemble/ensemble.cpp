@@ -180,7 +180,7 @@ class Blocks {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::int64_t next_ = 0, awaited_ = 0;
-  int computing_ = 0;  ///< blocks
+  int computing_ = 0;  ///< blocks being computed
   std::map<std::int64_t, Block> done_;
   std::set<std::int64_t> again_;  ///< blocks to repeat, as there was no memory for them
   ReturnCode reason_ = ReturnCode::completed;

@@ -46,6 +46,7 @@ struct Shard {
   std::int64_t index = 0, of = 1;
 };
 
+/// first_block returns the first block of the shard that has members of the plan.
 std::int64_t first_block(const EnsemblePlan& plan, const Shard& shard);
 
 /// TakeBlock receives the blocks in order and may move out their contents; false ends the ensemble.

@@ -201,7 +201,7 @@ class LaneBlock final : public LaneHost {
   /// run_text runs members with equal traces together. Where parameters vary each member is traced, and only so many
   /// traces are kept at once. False, too, where hardly two are alike: they are better run one by one.
   bool run_text(const LaneUnit& unit) {
-    constexpr std::size_t most_kept = 2'000'000, many = 64, alike = 4;  // kept: numbers and operations
+    constexpr std::size_t most_kept = 2'000'000, many = 64, alike = 4;  // most_kept: constants and operations
     const text::TextScene& text = *request_.scene->mechanics->text();
     std::vector<MemberGroup> groups;
     std::size_t kept = 0, members = 0;

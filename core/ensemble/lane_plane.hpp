@@ -13,6 +13,7 @@ struct Level {
   int variable;
   double value = 0;
 };
+/// level_of returns the plane as a Level; nothing where it is no such plane.
 std::optional<Level> level_of(const Request& request);
 
 /// is_of_lanes tells whether the plane's expression is the same for all members and reads only what lanes have: neither

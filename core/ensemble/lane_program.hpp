@@ -9,6 +9,7 @@
 
 namespace least {
 
+/// LaneCode is the operation of an instruction, with operands a, b and c.
 enum class LaneCode : std::uint8_t {
   add,
   subtract,
@@ -52,6 +53,7 @@ enum class LaneCode : std::uint8_t {
 /// StepFailure is what a program reports of a step, as a number. If several apply, the first one is reported.
 enum class StepFailure : std::uint8_t { none, singular, left_domain, unstable };
 
+/// LaneInstruction writes register `out` from registers a, b and c.
 struct LaneInstruction {
   LaneCode code = LaneCode::copy;
   std::uint32_t out = 0, a = 0, b = 0, c = 0;

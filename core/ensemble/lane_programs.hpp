@@ -244,6 +244,7 @@ class ProgramRun {
   bool prepared_ = false;
 };
 
+/// ProgramSteps is the stepper of a group by the program of its task.
 class ProgramSteps final : public GroupSteps {
  public:
   ProgramSteps(const LaneTask& task, std::size_t first, const Lanes* x)
@@ -336,10 +337,12 @@ class ProgramMaker final : public GroupMaker {
   const LaneTask& task_;
 };
 
+/// run_program runs a task by its program.
 inline void run_program(LaneTask& task) {
   run_members(task, ProgramMaker(task), task.program->registers * packs * sizeof(Lanes), task.variables);
 }
 
+/// evaluate_program implements LanePrograms::evaluate.
 inline void evaluate_program(const LaneProgram& program, const LanePoint& point, std::vector<double>& room,
                              double* out) {
   using Run = ProgramRun<double, 1>;

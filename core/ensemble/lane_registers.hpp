@@ -16,6 +16,7 @@ struct LaneOperation {
   std::int32_t out = -1, a = -1, b = -1, c = -1;
 };
 
+/// LaneRegisters allocates the registers of one program part.
 class LaneRegisters {
  public:
   static constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();

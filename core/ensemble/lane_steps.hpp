@@ -83,6 +83,7 @@ class LaneFaults {
   std::size_t count_ = 0;
 };
 
+/// finite returns the lanes in which all components are finite and not huge.
 inline LaneMask finite(const Lanes* x, std::size_t size) {
   constexpr double largest_component = 1e75;
   LaneMask good = LaneMask::everywhere();

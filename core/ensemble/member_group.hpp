@@ -19,7 +19,7 @@ class MemberGroup {
   /// add(member, constants): `member` is the place in the block, `constants` those of its own trace; empty for all
   /// members: those of the group's trace.
   void add(std::size_t member, std::vector<double> constants);
-  // When all are there:
+  // Once all members are there:
   /// set_parameter(k, values) sets each member's value of the k-th varied parameter.
   void set_parameter(std::size_t k, std::span<const double> values);
   /// compile_values() compiles the columns and the checks at the start.
@@ -38,7 +38,7 @@ class MemberGroup {
   /// own() returns the table for a LaneTask.
   const double* own() const { return own_of_step_.data(); }
 
-  // Of the i-th member; states are in the order of the card.
+  // For the i-th member; states are in the order of the card.
   void columns(std::size_t i, double t, const double* state, double* out);
   /// advance replaces the components of the state by those after a step; false: the step fails.
   bool advance(std::size_t i, double t, double h, const double* before, double* state);

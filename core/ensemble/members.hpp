@@ -19,6 +19,7 @@ inline constexpr std::array<std::string_view, 5> spread_names{"grid", "values", 
 /// Varied is what varies: a variable of the start, the velocity of a coordinate, or a parameter of the problem.
 enum class Varied : std::uint8_t { variable, velocity, parameter };
 
+/// Variation is one varied quantity and how it varies.
 struct Variation {
   Varied of = Varied::variable;
   std::size_t index = 0;  ///< on the card; for a velocity, of its coordinate
@@ -39,6 +40,7 @@ double normal_quantile(double p);
 /// logistic_quantile returns ln(p/(1 − p)), the same of the logistic distribution.
 double logistic_quantile(double p);
 
+/// Members describes all members of an ensemble.
 struct Members {
   std::int64_t count = 0;
   std::uint64_t seed = 0;

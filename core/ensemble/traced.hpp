@@ -54,7 +54,7 @@ class Traced {
       : constant_(constant) {}  // NOLINT(google-explicit-constructor): a number like any other
   static Traced time(Trace& trace) { return {trace, 0}; }
   static Traced step(Trace& trace) { return {trace, 1}; }
-  /// A constant that is not folded: its value may be another one for each who runs what is written.
+  /// unfolded returns a constant that is not folded: its value may differ for each user of the trace.
   static Traced unfolded(Trace& trace, double value) { return {trace, trace.constant(value)}; }
   static Traced variable(Trace& trace, std::size_t i) {
     return {trace, trace.write({Trace::Kind::variable, {}, static_cast<Trace::Place>(i)})};
@@ -62,7 +62,7 @@ class Traced {
 
   constexpr bool is_constant() const { return !trace_; }
   double constant() const { return constant_; }
-  /// Where it stands; a constant is written.
+  /// on returns the node; a constant is written first.
   Trace::Place on(Trace& trace) const { return trace_ ? place_ : trace.constant(constant_); }
 
   friend Traced operator+(const Traced& a, const Traced& b);

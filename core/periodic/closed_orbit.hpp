@@ -115,6 +115,7 @@ enum class Bifurcation : std::uint8_t { none, fold, period_doubling, pitchfork_o
 inline constexpr std::string_view bifurcation_names[] = {"", "fold", "period_doubling", "pitchfork_or_transcritical",
                                                          "torus"};
 
+/// Member is an orbit of a family at `value` of the family's number; `bifurcation` names the one located there, if any.
 struct Member {
   double value = 0;
   double period_slope = std::numeric_limits<double>::quiet_NaN();  ///< dT/dvalue along the family
@@ -122,6 +123,7 @@ struct Member {
   Bifurcation bifurcation = Bifurcation::none;
 };
 
+/// Manifold is the stable or the unstable manifold of an orbit; `multiplier` is the one of its direction.
 struct Manifold {
   bool stable = false;
   double multiplier = std::numeric_limits<double>::quiet_NaN();

@@ -44,6 +44,7 @@ Matrix orthogonal_to(const Matrix& columns, double threshold, double size = 0);
 /// complement_of returns the same where the rank of the columns is known.
 Matrix complement_of(const Matrix& columns, std::size_t rank);
 
+/// eigenvalues returns all eigenvalues, in no particular order.
 std::vector<std::complex<double>> eigenvalues(const Matrix& square);
 /// eigenvector returns the unit eigenvector of the real eigenvalue closest to `value`.
 std::vector<double> eigenvector(const Matrix& square, double value);

@@ -39,6 +39,7 @@ struct StudyPoint {
   ReturnCode status = ReturnCode::completed;
 };
 
+/// StudyCurve holds the runs of one scheme.
 struct StudyCurve {
   SchemeConfig scheme;       ///< as it was asked for
   std::string_view setting;  ///< step | sigma | theta | tolerance
@@ -55,6 +56,7 @@ struct ParetoPoint {
   bool fewest_forces = false, fastest = false;
 };
 
+/// Study is the result of work_precision.
 struct Study {
   std::string_view how;                                           ///< closed form | quad (or double) precision run
   double uncertainty = std::numeric_limits<double>::quiet_NaN();  ///< of the reference
@@ -68,6 +70,7 @@ struct Study {
   ReturnCode stop = ReturnCode::completed;  ///< why the reference was not finished
 };
 
+/// StudyPlan is the request for work_precision.
 struct StudyPlan {
   Request scene;                      ///< problem, parameters, start and end time; the rest is not read
   std::vector<SchemeConfig> schemes;  ///< the search for the first point begins at their value of the varied setting
@@ -90,6 +93,7 @@ struct Keep {
   bool momenta = false;    ///< the momenta that belong to symmetries
 };
 
+/// Wish is what a chosen scheme has to achieve.
 struct Wish {
   double accuracy = 0;  ///< the largest error along the span; NaN: the best within `seconds`
   double seconds = 0;   ///< of the run itself; read where accuracy is NaN
@@ -103,6 +107,7 @@ struct Alternative {
   double estimated_error = 0, seconds = 0;
 };
 
+/// Advice is the result of advise.
 struct Advice {
   std::optional<SchemeConfig> choice;  ///< empty where no scheme fits the wish's `keep`, or none completes
   Message reason;                      ///< why this choice; or what is best, and why there is nothing better

@@ -10,6 +10,7 @@
 
 namespace least::text {
 
+/// after_space returns the position of the next character that is not blank, at most `to`.
 constexpr std::size_t after_space(std::string_view text, std::size_t at, std::size_t to) {
   while (at < to && is_space(text[at])) ++at;
   return at;

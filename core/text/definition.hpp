@@ -1,4 +1,4 @@
-// A scene as its author typed it, and what is wrong with it.
+// A scene as its author typed it, and faults in it.
 #pragma once
 
 #include <array>

@@ -40,6 +40,7 @@ inline constexpr std::size_t most_written = 1'000'000, most_summed = 100'000, mo
 /// function_names() returns the names of the functions that a text may call.
 std::span<const std::string_view> function_names();
 
+/// Token is one item of an expression in postfix order.
 struct Token {
   enum class Kind : std::uint8_t {
     number,

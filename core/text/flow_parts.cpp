@@ -75,7 +75,7 @@ class RatesInParts {
   std::vector<std::vector<bool>> reads_;
 };
 
-/// H = p·X.
+/// with_momenta returns the form of H = p·X.
 Form with_momenta(const Form& flow) {
   Form made;
   made.kind = FormKind::hamiltonian;

@@ -17,10 +17,12 @@
 
 namespace least::text {
 
+/// FlowParts are the parts of a flow with numbers in the place of its parameters.
 struct FlowParts {
   /// Largest number of variables for which a flow is split.
   static constexpr std::size_t most_variables = 256;
 
+  /// Part moves some variables while all others rest.
   struct Part {
     std::vector<std::size_t> of;  ///< numbers of the variables that the part moves
     bool affine = true;           ///< each rate is affine in its own variable, so that the part's motion is exact

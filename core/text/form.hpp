@@ -16,6 +16,7 @@
 
 namespace least::text {
 
+/// FormKind is the structure of a form; contact_linear has friction α s, contact_quadratic γs²/2.
 enum class FormKind : std::uint8_t {
   separable,
   metric,

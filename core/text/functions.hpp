@@ -12,6 +12,7 @@ namespace least::text {
 inline constexpr std::array<std::string_view, 20> functions{"sin",  "cos",  "tan", "asin",  "acos",  "atan", "sinh",
                                                             "cosh", "tanh", "exp", "log",   "sqrt",  "abs",  "ln",
                                                             "sign", "min",  "max", "atan2", "hypot", "if"};
+/// number_of returns the index of a function in `functions`; their number for other names.
 constexpr std::size_t number_of(std::string_view function) {
   return static_cast<std::size_t>(std::find(functions.begin(), functions.end(), function) - functions.begin());
 }

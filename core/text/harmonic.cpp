@@ -143,7 +143,7 @@ class Oscillators {
     return true;
   }
 
-  /// V″ at the origin.
+  /// find_stiffness finds K = V″ at the origin; it returns why there is none, or an empty text.
   std::string find_stiffness() {
     // Second derivatives of many attracting bodies are long, and V is not smooth at the origin anyway: this is checked
     // first.

@@ -14,6 +14,7 @@
 
 namespace least::text {
 
+/// Harmonic is the decomposition of a scene into normal modes.
 struct Harmonic {
   /// Largest number n of coordinates: turning a force into modes takes n² multiplications.
   static constexpr std::size_t most_coordinates = 256;

@@ -172,7 +172,7 @@ class MagneticField {
       all.push_back(is_nothing(changes[i]) ? Symbol(0) : Symbol(0.25 * made_.inverse_root[i]) * changes[i] / fourth);
     return formula(all);
   }
-  /// Ω_ij
+  /// turn returns Ω_ij.
   Symbol turn(std::size_t i, std::size_t j) {
     const Symbol field = slopes_of_shift_[j][i] - slopes_of_shift_[i][j];
     return Symbol(made_.inverse_root[i] * made_.inverse_root[j]) * field;

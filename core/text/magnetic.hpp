@@ -16,6 +16,7 @@
 
 namespace least::text {
 
+/// Magnetic is the field of a scene and the groups of coordinates that it rotates.
 struct Magnetic {
   /// Largest number of coordinates for which a field is looked for.
   static constexpr std::size_t most_coordinates = 64;

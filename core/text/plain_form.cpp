@@ -1,4 +1,4 @@
-// A form without the terms that its tape keeps.
+// A form whose tape has no kept sums.
 #include "core/tape/derivative.hpp"
 #include "core/text/form.hpp"
 

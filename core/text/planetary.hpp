@@ -16,6 +16,7 @@
 
 namespace least::text {
 
+/// Planetary lists the bodies of a scene and the rest of its potential.
 struct Planetary {
   static constexpr std::size_t no_axis = std::numeric_limits<std::size_t>::max();
 

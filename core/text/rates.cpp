@@ -1,4 +1,4 @@
-// The equations of motion of a scene as text, as text.
+// The equations of motion of a scene given as text, written as text.
 #include <algorithm>
 #include <array>
 

@@ -21,6 +21,7 @@ namespace least::text {
 class SizedScene;
 class SizedScenes;
 
+/// TextScene is a definition together with its form and its parametrized mechanics.
 struct TextScene {
   Definition definition;
   std::shared_ptr<const Form> form;

@@ -106,7 +106,7 @@ struct SeparableScene : ConstantMass<N> {
   static constexpr bool reads_time = true;
 };
 
-/// H = ½ pᵀg⁻¹p + V(q) + α s, or V(q, t)
+/// H = ½ pᵀg⁻¹p + V(q) + α s, or with V(q, t)
 template <int N>
 struct DampedScene : ConstantMass<N> {
   static constexpr bool reads_time = true;

@@ -240,7 +240,7 @@ class SizedScene {
 /// search asks again and again.
 class SizedScenes {
  public:
-  /// Throws tape::TooManyOperations where its equations of motion take more than those of a scene may.
+  /// Throws tape::TooManyOperations where the equations of motion exceed SizedScene::most_equations.
   std::shared_ptr<const SizedScene> with(const Form& form, std::span<const double> parameters);
 
  private:

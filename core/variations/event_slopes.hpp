@@ -41,6 +41,7 @@ class EventSlopes {
   std::vector<double> state_after(std::size_t event, double t, std::span<const double> state) const;
   std::vector<double> slope_after(std::size_t event, double t, std::span<const double> state,
                                   std::span<const double> slope, const Direction& direction) const;
+  /// DirectedSlope is a direction and the derivative of the state along it.
   struct DirectedSlope {
     std::span<const double> slope;
     const Direction& direction;

@@ -12,7 +12,7 @@
 
 namespace least::variations {
 
-/// An event of a run.
+/// RunEvent is an event of a finished run.
 struct RunEvent {
   std::string name;
   double t = 0;

@@ -91,7 +91,7 @@ struct VariedMasses : VariedMechanics<N> {
 /// VariedFullMass has a full constant mass matrix.
 template <int N>
 struct VariedFullMass : VariedMechanics<N> {
-  Vec<N> inverse_mass() const { return {}; }  // what there is is no number for each coordinate
+  Vec<N> inverse_mass() const { return {}; }  // a full matrix has no masses by coordinate
   bool has_full_mass() const { return true; }
   template <class T>
   Vec<N, T> times_inverse_mass(const Vec<N, T>& p) const {
@@ -115,7 +115,7 @@ struct VariedFullMass : VariedMechanics<N> {
   }
 };
 
-/// H = ½ pᵀg⁻¹p + V(q, t), `Mass` being g, and what is added to it.
+/// H = ½ pᵀg⁻¹p + V(q, t), with `Mass` giving g, and the forms that add terms to it.
 template <class Mass>
 struct VariedSeparable : Mass {};
 template <class Mass>

@@ -9,8 +9,8 @@
 
 namespace least::variations {
 
+/// VariedRun runs a request and remembers what its sensitivities need.
 class VariedRun {
-  /// VariedRun runs a request and remembers what its sensitivities need.
  public:
   VariedRun(Request request, std::shared_ptr<const SensitivitiesAsked> asked);
 

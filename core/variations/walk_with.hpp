@@ -25,6 +25,7 @@ std::size_t place_of(std::size_t i, std::size_t coordinates) {
   }
 }
 
+/// walk_with walks one scheme with one class of problem.
 template <class V, class Scheme>
 Walked walk_with(const Walk& on, const V& problem, const Scheme& scheme) {
   Walked made;

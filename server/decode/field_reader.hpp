@@ -38,6 +38,7 @@ struct FieldPath {
   }
 };
 
+/// find returns the value of a key; null where `object` is no object or has no such key.
 inline const Json* find(const Json& object, std::string_view key) {
   const auto it = object.is_object() ? object.find(key) : object.end();
   return it == object.end() ? nullptr : &*it;

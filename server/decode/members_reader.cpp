@@ -67,7 +67,7 @@ constexpr std::string_view shapes[] = {"{\"grid\": [first, last, how many]}", "{
                                        "{\"uniform\": [from, to]}", "{\"normal\": [mean, deviation]}",
                                        "{\"logistic\": [mean, scale]}"};
 
-// False: a fault was noted.
+// read_numbers reads the numbers of a variation. False: a fault was noted.
 bool read_numbers(const Json& json, const FieldPath& path, const Range& range, Variation& variation) {
   const std::string shape(shapes[static_cast<std::size_t>(variation.spread)]);
   const std::size_t wanted = variation.spread == Spread::values ? json.size()

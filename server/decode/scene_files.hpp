@@ -20,15 +20,15 @@ std::span<const SceneFile> scene_files();
 
 /// TextProblem is a problem of the catalogue read from a file, whose name is the problem's id. The file contains
 ///   title, summary, references: as in every card,
-///   scene: what a request says of a scene as text, without its id,
-///   about: {name: {doc, unit, symbol}} of variables, momenta and parameters, one for all elements of a list,
-///   initial, until: the default start and the time of its end,
-///   suggested: {step, …}, the defaults of settings of schemes,
-///   presets: [{name, doc, parameters, initial, until, suggested}], whose start stands over the default one,
-///   events: what a run of the scene watches where a request says nothing of events.
+///   scene: the scene as a request gives it, without its id,
+///   about: {name: {doc, unit, symbol}} of variables, momenta and parameters, one entry for all elements of a list,
+///   initial, until: the default start and end time,
+///   suggested: {step, …}, defaults of settings of schemes,
+///   presets: [{name, doc, parameters, initial, until, suggested}], whose start overrides the default one,
+///   events: what a run watches where the request has no `events`.
 struct TextProblem {
   std::shared_ptr<const Mechanics> mechanics;
-  Json events;  ///< null: none
+  Json events;  ///< null where there are none
 };
 /// read_scene_file reads one. Throws std::logic_error with what is wrong with the file, std::runtime_error where this
 /// build omits its form.

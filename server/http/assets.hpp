@@ -11,6 +11,7 @@ struct Asset {
   std::string_view path, type, body;
 };
 
+/// assets() returns all files of the page.
 std::span<const Asset> assets();
 
 }  // namespace least::server

@@ -30,6 +30,7 @@
 
 namespace least::server {
 
+/// EventLoop owns the listening sockets and all connections.
 class EventLoop {
  public:
   /// `most` is the limit of connections. When it is reached, or the system refuses more, while somebody waits, an idle

@@ -31,6 +31,7 @@ struct HttpSettings {
   std::vector<std::string> trusted_proxies;  ///< addresses whose X-Forwarded-For is believed
 };
 
+/// HttpServer runs from start() to stop().
 class HttpServer {
  public:
   /// Requests and unsent answers are charged to `memory`, if given, which must outlive the server; beyond it the answer

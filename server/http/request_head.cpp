@@ -51,7 +51,8 @@ bool lists(std::string_view values, std::string_view word) {
   return false;
 }
 
-// `host:80` of `http://host:80/path`, which servers have to take though only proxies are sent it (RFC 9112, 3.2.2).
+// absolute returns `host:80` of the target `http://host:80/path`, a form that servers must accept although only proxies
+// receive it (RFC 9112, 3.2.2).
 std::optional<std::string_view> absolute(std::string_view target) {
   const auto slashes = target.find("://");
   const std::string scheme = lowered(target.substr(0, std::min(slashes, target.size())));

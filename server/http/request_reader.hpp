@@ -17,7 +17,7 @@ struct RequestBounds {
   std::size_t body = 1 << 20;
 };
 
-/// A whole request.
+/// Message is a whole request.
 struct Message {
   RequestHead head;
   std::string body;

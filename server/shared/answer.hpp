@@ -22,6 +22,7 @@ struct Note {
   std::variant<std::string, double, std::int64_t> value;
 };
 
+/// Answer is a status with a body: a text, a stream or pieces.
 struct Answer {
   int status = 200;
   std::string type;  ///< media type of the body

@@ -10,6 +10,7 @@
 
 namespace least::server {
 
+/// Cards are the problems and schemes that a service offers.
 struct Cards {
   std::span<const std::shared_ptr<const Mechanics>> problems;
   std::span<const SchemeCard> schemes;

@@ -31,7 +31,8 @@ struct Look {
   double closure = 0;           ///< the largest defect in absolute value
 };
 
-/// PeriodLaw is how the period depends on a varied parameter: free is unknown; the others hold for a driven motion.
+/// PeriodLaw is how the period depends on a varied parameter: unknown (free), not at all (kept), or, as the period of a
+/// drive, inversely or in proportion.
 enum class PeriodLaw { free, kept, inverse, proportional };
 
 /// Setting holds what all orbits of one question share.

@@ -63,7 +63,7 @@ class ErrorStudy {
              std::shared_ptr<const Conditioning> known = nullptr);
 
   /// known() tells whether there is a reference solution. Where there is none, runs are compared with runs of half the
-  /// step, or with a stand-in.
+  /// step (a hundredth of the tolerance), or with a stand-in.
   bool known() const { return truth_->complete; }
   /// let_stand_in uses a run of this choice instead of the reference, if it reaches the end within so many seconds.
   void let_stand_in(const SchemeConfig& choice, double seconds);

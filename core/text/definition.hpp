@@ -14,8 +14,8 @@ namespace least::text {
 
 /// Upper limits of a scene: degrees of freedom of mechanics, variables of equations, parameters and invariants.
 inline constexpr int most_coordinates = 1024, most_variables = 2048, most_parameters = 1024, most_invariants = 8;
-/// Most degrees of freedom, or variables of a flow, for which the lanes of an ensemble (core/ensemble) and the
-/// dual-number classes of core/variations have room.
+/// Most degrees of freedom, or variables of a flow, for which the lanes of an ensemble (core/ensemble) have room, and
+/// for which maps of implicit schemes can be differentiated (core/variations).
 inline constexpr int compiled_coordinates = 8, compiled_variables = 16;
 inline constexpr std::size_t longest_name = 16, longest_parameter = 40;
 

@@ -29,7 +29,7 @@ enum class FormKind : std::uint8_t {
 inline constexpr std::array<std::string_view, 7> form_names{
     "separable", "metric", "contact_linear", "contact_quadratic", "lagrangian", "hamiltonian", "flow"};
 
-/// Limit of operations that searches for derivatives go through per scene: some hundredths of a second.
+/// Limit of operations that a search through the derivatives of many values looks at: some hundredths of a second.
 inline constexpr std::size_t most_looked_at = std::size_t(1) << 18;
 
 /// Numbering gives the numbers of the variables on a form's tape: coordinates (of a flow, all variables) from 0, then

@@ -31,7 +31,7 @@ class TermReader {
   /// finish() ends the current term. False: there are too many shapes, or a placeholder may be in an exponent.
   bool finish();
 
-  /// is_worthwhile tells whether the sum names nothing that kept sums may not name, and has many terms of each shape.
+  /// is_worthwhile tells whether the sum names nothing that kept sums may not name, and has many terms per shape.
   bool is_worthwhile() const { return !speaks_of_foreign_ && terms_ >= few_alike * sum_.shapes.size(); }
   KeptSum sum() { return std::move(sum_); }
 

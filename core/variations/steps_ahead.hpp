@@ -62,8 +62,8 @@ class StepsAhead {
   /// take_part(h, y, low) tells the control that the current step was taken for the time h only, to the state y;
   /// leave() must follow.
   void take_part(double h, std::span<const double> y, std::span<const double> low);
-  /// leave() discards the queue. `shorter` is the factor by which the current step was too long; it shortens further
-  /// steps.
+  /// leave() discards the queue. `shorter` ≤ 1 multiplies the lengths of further steps, where the current one was too
+  /// long.
   void leave(double shorter = 1);
 
  private:

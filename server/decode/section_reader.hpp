@@ -9,8 +9,8 @@ namespace least::server {
 inline constexpr std::string_view section_shape =
     "{\"period\": …, \"phase\": …}, {\"expression\": …, \"direction\": …}";
 
-/// read_section reads the section into the request, whose columns must be known, and before events are read. The
-/// request has none if there are faults. `scheme` may be null.
+/// read_section reads the section into the request, whose columns must be known, before events are read. It does
+/// nothing where there is no such member. `scheme` may be null.
 void read_section(const Json& root, const FieldPath& top, const SchemeCard* scheme, Request& request);
 
 }  // namespace least::server

@@ -8,9 +8,9 @@
 namespace least::server {
 
 /// write_echo writes the members of a complete request that reproduces this run: problem, initial, scheme, until,
-/// record, columns, section, events, limits, norm (section and events only if there are any). `beside_findings`: the
-/// results are in the same object, so that events are called events_asked, and the section is omitted, as the writer of
-/// its points includes it.
+/// record, columns, section, events, limits, norm, sensitivities; section, events and sensitivities only where there
+/// are any (events of a catalogue problem given as text always). `beside_findings`: the results are in the same object,
+/// so that events are called events_asked, while section and sensitivities are written with what was found.
 void write_echo(JsonWriter& json, const PlannedRun& run, bool beside_findings = false);
 /// write_scene writes the members problem and initial.
 void write_scene(JsonWriter& json, const Scene& scene);

@@ -114,7 +114,7 @@ struct Harvest {
 
 /// Block is a range of members with the same block number, and its results.
 struct Block {
-  std::int64_t index = 0;  ///< of members [4096·index, 4096·(index + 1)), as far as they are in the range asked for
+  std::int64_t index = 0;  ///< of the block; it has members [4096·index, 4096·(index + 1)) as far as they are asked for
   std::int64_t first = 0, count = 0;
   Harvest harvest;
   Held held{};  ///< the memory of `harvest`

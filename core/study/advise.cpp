@@ -112,7 +112,7 @@ Advice cheapest(Contest& contest, const Request& scene, const Pilot& pilot, cons
   contest.go();
   const Search* best = contest.winner();
   if (!best) {
-    constexpr double nonsense = 0.1;  // an error as large as the motion
+    constexpr double nonsense = 0.1;  // comparable to the motion itself
     const Search* nearest = contest.runner_up();
     const double least = nearest ? nearest->best().trial.error : unknown;
     const bool measured = pilot.completed && contest.subject().known();

@@ -65,8 +65,8 @@ struct Study {
   bool chaotic = false;  ///< the growth is exponential throughout the span
   double end = 0;        ///< errors are measured up to this time; before the requested end where the motion ends before
   std::vector<StudyCurve> curves;           ///< in the order of the plan's schemes
-  std::vector<ParetoPoint> pareto;          ///< what was left out, and why
-  std::vector<Message> left_out;            ///< what, and why
+  std::vector<ParetoPoint> pareto;          ///< from few force evaluations to many
+  std::vector<Message> left_out;            ///< what was left out, and why
   ReturnCode stop = ReturnCode::completed;  ///< why the reference was not finished
 };
 

@@ -3,8 +3,7 @@
 //   x[i+1]   an element of a list, counted from 1; an index is made of whole numbers by + - * and mod(a, n)
 //   sum(i=1..n, j=i+1..n, …)  prod(…)   an empty sum is 0, an empty product 1
 //   if(i != j, u, v)   is settled where the condition compares indices: < <= > >= == !=, and, or, not; any other
-//   condition
-//                      stays in the text, also one that compares whole-numbered parameters
+//                      condition stays in the text, also one that compares whole-numbered parameters
 //   r, d(i,j)   a definition; its arguments are indices
 #pragma once
 

@@ -18,7 +18,7 @@
 namespace least::variations {
 
 /// ControlMotion follows one control beside the steps of a StepsAhead. A step changes the variables y, of which the
-/// first `moving` ones move and the others are parameters, by the matrix C − moving × columns, row-major.
+/// first `moving` ones move and the others are parameters, by the matrix C (moving × columns, row-major).
 class ControlMotion {
  public:
   /// Step is a step of the first motion: its index among the precomputed steps, its matrix C, and the states at its

@@ -128,7 +128,7 @@ class Connection {
   Clock::time_point blocked_from_;
   // blocked_: how long its client has let it wait in all; stalled_: since the last byte was taken
   Clock::duration blocked_{0}, stalled_{0};
-  Clock::time_point last_write_ = Clock::time_point::max();  // set when the service ends: the latest time of writing
+  Clock::time_point last_write_ = Clock::time_point::max();  // set when runs are cancelled: the latest time of writing
   Clock::time_point next_probe_;
   Clock::duration between_probes_{};
 };

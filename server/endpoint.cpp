@@ -33,7 +33,7 @@ Result<std::size_t, Answer> form_for(const HttpRequest& request, const Names& ty
 
 Effort effort_of(std::string_view body) {
   if (no_json_begins(body)) return Effort::brief;
-  // a scene given as text, whose equations have to be derived
+  // A scene given as text, whose equations have to be derived
   const bool has_text = body.size() <= glance && body.find(custom_id) != body.npos;
   return has_text ? Effort::work : Effort::reading;
 }

@@ -12,7 +12,7 @@ namespace least::server {
 
 struct Settings : HttpSettings {
   Caps caps;
-  /// limit of bytes for requests and answers; the largest possible answer must fit
+  /// Limit of bytes for requests and answers; the largest possible answer must fit
   std::size_t max_memory = std::size_t{1} << 30;
 };
 

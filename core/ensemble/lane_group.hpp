@@ -36,7 +36,7 @@ class GroupRun {
   /// begin(steps) takes the stepper and checks the initial states.
   void begin(std::unique_ptr<GroupSteps> steps) {
     steps_ = std::move(steps);
-    // no member of another group can come
+    // No member of another group can come
     if (task_.count < group_size) steps_->use((task_.count + lane_count - 1) / lane_count);
     for (std::size_t j = 0; j < packs; ++j)
       for (const auto& fault : steps_->at_start(task_, j)) end(j, fault.where, fault.why);
@@ -195,7 +195,7 @@ class GroupRun {
     for (std::size_t j = 0; j < packs; ++j) {
       const Lanes *was = before.data() + j * size_, *is = pack(j);
       LaneMask passed = alive_[j];
-      // on which side of the level it was, is, and would be by linear extrapolation of the step before
+      // On which side of the level it was, is, and would be by linear extrapolation of the step before
       if (task_.watched >= 0) {
         const Lanes first = was[task_.watched], ahead = first + (first - earlier_[j]) * part;
         const LaneMask below = first < level, then = is[task_.watched] < level, straight = ahead < level;

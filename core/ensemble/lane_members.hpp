@@ -14,7 +14,7 @@ namespace least {
 struct LaneUnit {
   std::string_view name;
   std::size_t width = 0;  ///< doubles in a register
-  /// runs members of a problem of the catalogue; returns null where the unit has none
+  /// Runs members of a problem of the catalogue; returns null where the unit has none
   RunLanes (*problem)(std::string_view id);
   LanePrograms (*programs)();
 };

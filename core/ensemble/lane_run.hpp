@@ -12,7 +12,7 @@ namespace least {
 /// close_ranks reduces the number of groups when few members are left: members of the last groups move into free lanes
 /// of the first ones.
 inline void close_ranks(std::vector<std::unique_ptr<GroupRun>>& groups) {
-  // a group without members stopped at an earlier step, so that nobody can continue in it
+  // A group without members stopped at an earlier step, so that nobody can continue in it
   std::erase_if(groups, [](auto& group) {
     if (!group->anyone()) group->account();
     return !group->anyone();

@@ -60,7 +60,7 @@ struct LaneTask {
   std::uint8_t* ended = nullptr;  ///< by member, a ReturnCode; on entry `cancelled` for all members that are to be run
   std::int64_t taken = 0;         ///< steps of all members
   std::int64_t forces = 0;        ///< force evaluations of all members
-  /// rows of `final` that are valid; for a program, set by the caller: the variables of the card
+  /// Rows of `final` that are valid; for a program, set by the caller: the variables of the card
   std::size_t variables = 0;
   std::size_t moving = 0;  ///< for a program: how many of them the motion needs; they come first
 };

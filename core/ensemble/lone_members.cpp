@@ -163,7 +163,7 @@ std::vector<Warning> warnings_of_few(const EnsemblePlan& plan, const std::atomic
   request.control = true;
   request.limits.steps =
       std::min(request.limits.steps, steps_of_all / few / weight_of_force(*request.scene->mechanics));
-  // the result must not depend on the speed of the machine
+  // The result must not depend on the speed of the machine
   request.limits.seconds = std::numeric_limits<double>::infinity();
 
   struct WarningCount {

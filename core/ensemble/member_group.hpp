@@ -66,7 +66,7 @@ class MemberGroup {
   StepTrace shape_;
   std::vector<std::size_t> members_;
   std::vector<std::vector<double>> constants_;  ///< by member; empty: all have those of the trace
-  /// by number of the constant, a value for each member in its place
+  /// By number of the constant, a value for each member in its place
   std::map<std::size_t, std::vector<double>> replaced_;
   Program steps_, columns_, starts_;
   std::vector<double> own_of_step_, values_;

@@ -27,7 +27,7 @@ class MemberStarts {
   const EnsemblePlan& plan_;
   /// the common start with velocities, where momenta differ between members; else empty
   std::vector<double> in_velocities_;
-  /// momenta as functions of velocities, where all members have the same parameters
+  /// Momenta as functions of velocities, where all members have the same parameters
   std::optional<tape::Formula> momenta_;
 };
 

@@ -35,7 +35,7 @@ bool trace(const Request& request, std::span<const std::size_t> varied, std::opt
   std::size_t capacity = 0;
   if constexpr (!Flow<Problem>) capacity = Problem::dof;
   const auto problem = problem_on<P>(made, scene, varied);
-  // a parameter that is a choice cannot vary as a number
+  // A parameter that is a choice cannot vary as a number
   if (std::ranges::find(made.parameters, -1) != made.parameters.end()) return false;
   StepTracer<P<Traced>> tracer(request, problem, capacity, full, made);
   bool good = !scheme;

@@ -263,7 +263,7 @@ std::optional<Objection> objection(const Question& question) {
                      "the motion has " + std::to_string(components) + " variables: too many for an orbit to be closed",
                      "at most " + std::to_string(most_components)};
   };
-  // checked before the equations are derived, which may be expensive
+  // Checked before the equations are derived, which may be expensive
   if (const text::TextScene* text = scene.mechanics->text()) {
     const std::size_t count = text->form->coordinates * (text->form->kind == text::FormKind::flow ? 1 : 2);
     if (count > most_components) return too_many(count);

@@ -80,7 +80,7 @@ inline constexpr std::string_view multiplier_kinds[] = {"unit", "elliptic", "hyp
                                                         "complex"};
 struct Multiplier {
   std::complex<double> value;
-  /// nothing where it is so small that rounding errors of the others hide its kind
+  /// Nothing where it is so small that rounding errors of the others hide its kind
   std::optional<MultiplierKind> kind{};
 };
 
@@ -90,9 +90,9 @@ struct Stability {
   std::vector<Multiplier> multipliers;
   std::size_t by_time = 0, by_invariants = 0, by_symmetries = 0;
   std::optional<bool> stable;  ///< judged by the non-trivial ones; nothing where they do not decide
-  /// largest relative defect of the products of pairs; NaN where there are no pairs
+  /// Largest relative defect of the products of pairs; NaN where there are no pairs
   double pairing_defect = std::numeric_limits<double>::quiet_NaN();
-  /// the product of each pair, e^{−∫∂H/∂s dt}: 1 for symplectic motions; NaN where there are no pairs
+  /// The product of each pair, e^{−∫∂H/∂s dt}: 1 for symplectic motions; NaN where there are no pairs
   double pair_product = std::numeric_limits<double>::quiet_NaN();
 
   std::size_t trivial() const { return by_time + by_invariants + by_symmetries; }

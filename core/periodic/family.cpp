@@ -281,7 +281,7 @@ class Family {
   struct Between {
     std::optional<Step> found;  ///< the member at the bifurcation
     Bifurcation kind = Bifurcation::none;
-    /// a test function changes sign without a bifurcation: the two members may belong to different curves
+    /// A test function changes sign without a bifurcation: the two members may belong to different curves
     bool unclear = false;
   };
   Between look_between(const Step& a, const Step& b, double ds) {
@@ -327,7 +327,7 @@ class Family {
       if (!made) break;
       const double here = sign_of(kind, *made);
       const bool nearer =
-          // the test for a torus may be a mere sign, so that sizes do not compare
+          // The test for a torus may be a mere sign, so that sizes do not compare
           std::abs(here) <= std::abs(sign_of(kind, best)) || round == 0;
       if (nearer) best = std::move(*made);
       if (here == 0) break;

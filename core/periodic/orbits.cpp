@@ -27,7 +27,7 @@ std::shared_ptr<const Scene> scene_at(const Setting& setting, const variations::
   if (setting.varied) scene->parameters[*setting.varied] = trial.value;
   for (std::size_t i = 0; i < equations.components; ++i) scene->initial[equations.variables[i]] = trial.nodes[0][i];
   const auto& variables = scene->card().variables;
-  // variables that follow from the others are not copied from the guess
+  // Variables that follow from the others are not copied from the guess
   for (std::size_t i = 0; i < variables.size(); ++i)
     if (std::isnan(variables[i].value)) scene->initial[i] = variables[i].value;
   return scene;

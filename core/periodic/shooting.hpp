@@ -41,14 +41,14 @@ struct Setting {
   double tolerance = 1e-12;
   std::vector<bool> fixed;          ///< by component, whether it keeps its value
   PeriodLaw law = PeriodLaw::free;  ///< free: the period is an unknown
-  /// the period is kept only to make orbits unique for each value of a parameter; a family may release it
+  /// The period is kept only to make orbits unique for each value of a parameter; a family may release it
   bool period_held = false;
   std::optional<std::size_t> varied;  ///< the parameter that a family varies
   std::optional<std::size_t> led;     ///< component of the start along which a family may also move by symmetries
   double guess_period = 0, guess_value = 0;
   std::vector<double> extents;  ///< units of the components: the extents of the guess
   double value_unit = 1;
-  /// by component, by how much x(T) exceeds x(0) on a closed orbit, such as 2π for an angle
+  /// By component, by how much x(T) exceeds x(0) on a closed orbit, such as 2π for an angle
   std::vector<double> turns;
 
   double start() const { return scene->start; }

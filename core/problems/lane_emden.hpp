@@ -98,7 +98,7 @@ struct LaneEmden {
     const S t2 = t * t;
     Vec<most + 1, T> a{T(1)}, c{T(1)}, l{};
     [[maybe_unused]] S power_of_t(1);
-    // multiplication by a reciprocal has a shorter latency than division
+    // Multiplication by a reciprocal has a shorter latency than division
     const auto over = [](const T& x, std::size_t whole) {
       return alone ? T(x * (T(1) / double(whole))) : T(x / double(whole));
     };

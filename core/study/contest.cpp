@@ -101,7 +101,7 @@ void Contest::find_alternatives() {
   constexpr int enough = 3, most_runs = 16;
   const Search* best = winner();
   const double most = 4 * std::max(best->likely_cost(), 10.0);
-  // reported already, as the best or as an earlier search of the same scheme
+  // Reported already, as the best or as an earlier search of the same scheme
   const auto told = [&](const Search& search) {
     return std::ranges::any_of(searches_, [&](const Search& other) {
       return (&other == best || (other.good() && &other < &search)) && search.twin_of(other);

@@ -180,7 +180,7 @@ double ErrorStudy::longest(const SchemeConfig& choice, const ResolutionParameter
   if (dial.adaptive()) return dial.range.high;
   const double span = scene_.end - scene_.scene->start;
   if (!card(choice).own_clock) {
-    // in units of the motion's time scale: states so far apart have nothing to do with each other
+    // In units of the motion's time scale: states so far apart have nothing to do with each other
     constexpr double far = 1000;
     const double scale = scene_.scene->mechanics->scales(*scene_.scene).time;
     return std::min({span, dial.range.high, scale > 0 ? far * scale : span});

@@ -50,7 +50,7 @@ struct Trial {
   double error = std::numeric_limits<double>::quiet_NaN();  ///< NaN where the run did not complete
   std::int64_t forces = 0;
   double seconds = 0;
-  /// the error grew beyond meaning; `error` is extrapolated from the times when it was still small
+  /// The error grew beyond meaning; `error` is extrapolated from the times when it was still small
   bool foreseen = false;
 };
 

@@ -142,7 +142,7 @@ struct StabilityLimit {
   double step = std::numeric_limits<double>::quiet_NaN();  ///< NaN where there is none, see `why`
   /// of steps just beyond: energy_growth | sign_flip | solver_failed | pole | not_finite; or empty
   std::string_view failure;
-  /// of linear theory; NaN where it has none; 0: unstable at every step
+  /// Of linear theory; NaN where it has none; 0: unstable at every step
   double theory = std::numeric_limits<double>::quiet_NaN();
   std::vector<Interval> islands{};                            ///< of stable steps beyond `theory`
   double failing = std::numeric_limits<double>::quiet_NaN();  ///< the shortest step found to fail, just beyond

@@ -30,7 +30,7 @@ class Ladder {
   /// climb makes one run. True where the curve has got a new point.
   bool climb(double seconds) {
     const Trial trial = subject_.run(dial_.at(curve_.scheme, value_), seconds, plan_.most_forces);
-    // the run is to be repeated
+    // The run is to be repeated
     if (trial.status == ReturnCode::deadline || trial.status == ReturnCode::cancelled) return false;
     const SchemeConfig choice = dial_.at(curve_.scheme, value_);
     const auto step = subject_.card(choice).find("step");  // which the dial's companion may be

@@ -131,7 +131,7 @@ std::optional<Attraction> Attraction::of(const tape::Tape& tape, const Monomial&
   constexpr int none = Quadratic::no_variable;
   const int first = *variables.begin();
   const double scale = u->at(first, first), small = 1e-13;
-  // a larger constant is a softened attraction
+  // A larger constant is a softened attraction
   constexpr double round_off = 8 * std::numeric_limits<double>::epsilon();
   if (!(scale > 0)) return std::nullopt;
   const auto is = [&](double x, double y) { return std::abs(x - y) <= small * scale; };

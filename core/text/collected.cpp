@@ -103,7 +103,7 @@ class Collector {
     }
     const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::abs(like->coefficient);
     like->coefficient += sign * term.coefficient;
-    // terms such as thirds of cubes cancel but for rounding
+    // Terms such as thirds of cubes cancel but for rounding
     if (std::abs(like->coefficient) <= rounding) all.erase(like);
   }
   Summands product(Index place, const Summands& a, const Summands& b) {

@@ -39,7 +39,7 @@ struct Definition {
   std::optional<std::string> damping{}, action_curvature{}, offset{};
   Named equations{};   ///< ẋ of every variable
   Named invariants{};  ///< quantities that the author declares to be conserved
-  /// the texts describe the time reversal of a scene: their t, velocities, momenta and s have the opposite sign of the
+  /// The texts describe the time reversal of a scene: their t, velocities, momenta and s have the opposite sign of the
   /// forward ones
   bool backward = false;
   // Beside L, H or V: the generalised force on each coordinate, a function of q, t and v (of p where H is given); and

@@ -172,7 +172,7 @@ class Expander {
     if (second == to || comma(text, second + 1, to) != to)
       return refuse(position, "if takes a condition and two formulas", "if(i < j, …, …)");
     const std::string_view condition = text.substr(from, first - from);
-    // any other condition depends on the motion and stays in the text
+    // Any other condition depends on the motion and stays in the text
     if (!speaks_of_indices(condition, vocabulary_, indices))
       return append("if(", position, true) && write(text, from, first, indices) && append(",", position, true) &&
              write(text, first + 1, second, indices) && append(",", position, true) &&
@@ -339,7 +339,7 @@ class Expander {
   Expansion& made_;
   KeptSums* kept_;              ///< null: all sums are written out
   TermReader* term_ = nullptr;  ///< the reader of the kept sum whose term is being written; null outside of kept sums
-  /// cached words, by the address of their first character
+  /// Cached words, by the address of their first character
   std::unordered_map<const char*, WordOfTerms> words_of_terms_;
   Expansion::Wrong wrong_;
   std::optional<std::size_t> definition_{};  ///< the definition whose text is being written

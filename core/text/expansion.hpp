@@ -49,14 +49,14 @@ class SumNames {
  private:
   std::vector<std::string> all_;
   std::map<std::int64_t, std::uint32_t> values_;
-  /// by list and index, the number plus one; 0 where the element has no number yet
+  /// By list and index, the number plus one; 0 where the element has no number yet
   std::map<std::string, std::vector<std::uint32_t>, std::less<>> elements_;
 };
 
 /// KeptSums holds all kept sums of a scene. In a text that was written out a kept sum appears as its first term and its
 /// number, `((x[1]-x[2])#0)`.
 struct KeptSums {
-  /// sums of fewer terms are written out: they run as fast, and faster in implicit schemes
+  /// Sums of fewer terms are written out: they run as fast, and faster in implicit schemes
   std::size_t few_terms = 256;
   std::vector<KeptSum> all{};
   SumNames names{};

@@ -122,7 +122,7 @@ class Expression {
   std::span<const Token> tokens() const { return tokens_; }
 
  private:
-  /// on the heap, so that words of tokens stay valid when the Expression moves
+  /// On the heap, so that words of tokens stay valid when the Expression moves
   std::shared_ptr<const std::string> text_;
   std::vector<Token> tokens_;  ///< in postfix order
 };

@@ -27,7 +27,7 @@ struct Magnetic {
   };
   std::vector<double> root_mass, inverse_root;  ///< √m and 1/√m of each coordinate
   std::vector<Group> groups;
-  /// how many numbers Ω of all groups together take in `fields`: 1 for each group of two, 3 for each of three
+  /// How many numbers Ω of all groups together take in `fields`: 1 for each group of two, 3 for each of three
   std::size_t turns = 0;
   /// Functions of (q, t): −∇V/√m of every coordinate where V is not constant, then of each group Ω_01, or (Ω_12, Ω_20,
   /// Ω_01).

@@ -190,7 +190,7 @@ class Finder {
 
   /// take_pairs reads the attraction of each pair of bodies. False where a term is none.
   bool take_pairs() {
-    // by coordinate: its body, and which axis of the body it is
+    // By coordinate: its body, and which axis of the body it is
     std::vector<std::pair<std::size_t, std::size_t>> place(n_);
     for (std::size_t b = 0; b < found_.bodies.size(); ++b)
       for (std::size_t k = 0; k < 3; ++k)

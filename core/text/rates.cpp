@@ -225,7 +225,7 @@ TextScene::Said TextScene::equations() const try {
     return velocities ? velocity_name(coordinate) : momentum_name(coordinate);
   };
   Said texts;
-  // operations of rates that may still be searched; a rate that exceeds them is shown as …
+  // Operations of rates that may still be searched; a rate that exceeds them is shown as …
   std::size_t left = most_looked_at;
   for (const auto& [of, rate] : rates.all) {
     const std::size_t parts = rate.is_constant() ? 0 : left == 0 ? 1 : tape::parts_of(rates.tape, rate.place()).size();

@@ -48,7 +48,7 @@ TextScene TextScene::of(Definition definition, std::shared_ptr<const Form> form)
 
 std::shared_ptr<const SizedScene> TextScene::sized(std::span<const double> parameters) const {
   if (!known) return made->with(*form, parameters);
-  // not charged to the request: a problem of the catalogue stays in memory when the request is over
+  // Not charged to the request: a problem of the catalogue stays in memory when the request is over
   const HeldByThread nobody(nullptr);
   return made->with(*form, parameters);
 }
@@ -71,7 +71,7 @@ ProblemCard TextScene::described() const {
     const bool rests = !form->reads_action && form->kind != FormKind::contact_linear;
     if (acting && !rests) {
       add("s", "action");
-      // of a general H: L, if s only adds friction to it and q and p move without s
+      // Of a general H: L, if s only adds friction to it and q and p move without s
       const Symbol& found = form->lagrangian;
       const bool damped = form->kind == FormKind::hamiltonian && !(found.is_constant() && found.constant() == 0);
       card.variables.back().optional = !form->reads_action || damped;

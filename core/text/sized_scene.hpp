@@ -205,7 +205,7 @@ class SizedScene {
   void set_mass(const std::vector<Symbol>& mass, const SymbolMatrix& hessian, const std::vector<double>& second,
                 bool of_velocities);
 
-  /// of the request that the scene was made for; also charged for what is made later
+  /// Of the request that the scene was made for; also charged for what is made later
   MemoryBudget* const budget_ = HeldByThread::budget();
   Held held_ = HeldByThread::take(0);
   StateFormula motion_;                    ///< where moving < components

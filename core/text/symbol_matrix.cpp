@@ -247,7 +247,7 @@ void BlockMatrix::invert() {
 }
 
 BlockMatrix::Regularity BlockMatrix::regularity() const {
-  // each round halves the logarithm of the scale errors, so that scales of 1e±300 end within a factor 10
+  // Each round halves the logarithm of the scale errors, so that scales of 1e±300 end within a factor 10
   constexpr int rounds = 8;
   Regularity all;
   for (const Block& block : blocks_) {

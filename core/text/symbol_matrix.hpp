@@ -51,7 +51,7 @@ class BlockMatrix {
     std::vector<std::size_t> of;  ///< numbers of its rows and columns, ascending
     std::vector<double> numbers;  ///< row-major
   };
-  /// limit for all blocks together, with the zeros in them
+  /// Limit for all blocks together, with the zeros in them
   static constexpr std::size_t most_numbers = std::size_t(1) << 17;
 
   /// `numbers` are the values of the stored entries, row by row. Throws tape::TooManyOperations beyond most_numbers.

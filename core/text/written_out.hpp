@@ -59,7 +59,7 @@ class WrittenOut {
   };
   Definition definition_;
   std::map<std::string, Source> sources_;  ///< by JSON pointer of the written-out text
-  /// by variable of the definition, the index of its declaration in the typed scene
+  /// By variable of the definition, the index of its declaration in the typed scene
   std::vector<std::size_t> declared_;
 };
 

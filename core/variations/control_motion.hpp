@@ -64,7 +64,7 @@ class ControlMotion {
   std::uint64_t random_ = 0;
   Place here_, there_;
   std::vector<double> begins_, directions_;  ///< X and U by step, columns numbers each
-  /// four columns to be multiplied by C, interleaved by variable, and their products
+  /// Four columns to be multiplied by C, interleaved by variable, and their products
   std::vector<double> fours_, product_;
   std::vector<double> change_;
 };

@@ -19,7 +19,7 @@ struct Followed {
   std::vector<std::vector<double>> slopes;  ///< at each sample, then at the end: ∂x/∂θ, direction by direction
   std::vector<std::vector<double>> time_slopes;  ///< by event that was asked for: ∂t/∂θ, one per direction
   std::vector<double> second;                    ///< second derivatives at the end, pair by pair
-  /// the control's derivative at the times of `slopes`; fewer entries: it did not reach the end
+  /// The control's derivative at the times of `slopes`; fewer entries: it did not reach the end
   std::vector<std::vector<double>> control;
   int order = 0;
 };

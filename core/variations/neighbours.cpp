@@ -62,7 +62,7 @@ std::optional<std::vector<double>> Neighbours::differences(std::span<const doubl
   std::vector<double> all;
   for (const Quantity& by : asked_.by) {
     const std::span known = found.subspan(all.size(), found.size() / asked_.by.size());
-    // the start moves along with the motion, so that the derivative stays 0
+    // The start moves along with the motion, so that the derivative stays 0
     if (by.kind == Quantity::Kind::time && start_.follows_from_time()) {
       all.insert(all.end(), known.begin(), known.end());
       continue;

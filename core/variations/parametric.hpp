@@ -39,7 +39,7 @@ struct ParametricScene {
   Symbol action_slope;  ///< H_s of mechanics
   /// where a start may give velocities: p as functions of the state with velocities in the place of p
   std::vector<Symbol> momenta;
-  /// by component: −1 where it is the opposite of the card's variable (a time-reversed scene)
+  /// By component: −1 where it is the opposite of the card's variable (a time-reversed scene)
   std::vector<double> signs;
   bool backward = false;  ///< the scene is time-reversed: so is its time
   double sign_of_time() const { return backward ? -1 : 1; }

@@ -30,7 +30,7 @@ std::vector<Report> structure_of(const ParametricScene& equations, const std::ve
   const std::size_t size = equations.components, n = equations.coordinates;
   TangentMap map{n, {0, StateNumbers(start.data(), start.data() + size)}, {}, {}, false};
   map.to = {0, StateNumbers(end.data(), end.data() + size)};
-  // signs undone: derivatives of components by components, not by the card's variables
+  // Signs undone: derivatives of components by components, not by the card's variables
   for (std::size_t i = 0; i < size; ++i)
     for (std::size_t j = 0; j < size; ++j)
       map.m.push_back(equations.signs[i] * equations.signs[j] * rows[i * size + j]);
@@ -41,7 +41,7 @@ std::vector<Report> structure_of(const ParametricScene& equations, const std::ve
   }
   double factor = 1;
   const bool damped = !equations.action_slope.is_constant() || equations.action_slope.constant() != 0;
-  // the flow of (q, p) multiplies the symplectic form by the same factor as that of (q, p, s) the contact form
+  // The flow of (q, p) multiplies the symplectic form by the same factor as that of (q, p, s) the contact form
   if (damped) {
     factor = 0;
     for (std::size_t i = 0; i < n; ++i)

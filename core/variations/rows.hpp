@@ -11,7 +11,7 @@ namespace least::variations {
 
 /// bytes_of_lists returns the memory of `times` lists of so many doubles.
 constexpr std::size_t bytes_of_lists(std::size_t times, std::size_t numbers) {
-  // the list itself, its entry in the answer, spare capacity, and the header of its block
+  // The list itself, its entry in the answer, spare capacity, and the header of its block
   constexpr std::size_t list = sizeof(std::vector<double>) + 48;
   return times * (numbers * sizeof(double) + list);
 }

@@ -33,7 +33,7 @@ struct SensitivitiesAsked {
   std::vector<Quantity> by;
   std::vector<std::string> names;  ///< names of `by`, as JSON pointers
   bool whole_start = false;  ///< `by` contains all variables of the motion: then the structure of the map is reported
-  /// while one number changes, the other velocities of the start stay fixed instead of the momenta
+  /// While one number changes, the other velocities of the start stay fixed instead of the momenta
   bool keeps_velocities = false;
   int order = 1;
   bool of_scheme = false;

@@ -114,7 +114,7 @@ std::vector<double> Start::regular(const std::vector<double>& parameters) const 
 }
 
 std::vector<double> Start::slope_of_regular(std::size_t parameter, int order) const {
-  // the start is a power series with small derivatives: errors are some 1e-12
+  // The start is a power series with small derivatives: errors are some 1e-12
   const double h = order == 1 ? 1e-3 : 1e-2;
   std::vector<double> parameters = scene_.parameters, slope(size_);
   parameters[parameter] = scene_.parameters[parameter] + h;

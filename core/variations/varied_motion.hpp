@@ -106,7 +106,7 @@ class VariedMotion {
   std::vector<std::size_t> varied_;  ///< parameters that the series has as variables behind the state, ascending
   std::vector<tape::Tangents::Pair> pairs_;
   Held held_ = HeldByThread::take(0);
-  /// precomputed steps, where these suit; otherwise, or from where they cannot continue, the next members take over
+  /// Precomputed steps, where these suit; otherwise, or from where they cannot continue, the next members take over
   std::optional<StepsAhead> ahead_;
   bool one_by_one_ = false;
   std::optional<tape::Program> varied_program_;  ///< kept for expansion_ and tangents_ where ahead_ exists
@@ -118,7 +118,7 @@ class VariedMotion {
   std::vector<double> y_, seen_;        ///< state and varied parameters, at the last step and at the last look
   std::vector<double> low_, low_seen_;  ///< their compensations
   Level first_, second_;
-  /// by pair, the factor of products of first derivatives, as the levels are scaled by different powers of two
+  /// By pair, the factor of products of first derivatives, as the levels are scaled by different powers of two
   std::vector<double> shares_;
 };
 

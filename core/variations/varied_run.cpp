@@ -51,7 +51,7 @@ Solution VariedRun::go(RowSink& sink, const std::atomic<bool>& cancelled) {
   if (added) {
     const std::int64_t rows = timed.most_rows();
     timed.columns.push_back(time_column);
-    // the limit counts numbers: keep the number of rows that the request has without the added column
+    // The limit counts numbers: keep the number of rows that the request has without the added column
     timed.limits.samples = rows * static_cast<std::int64_t>(timed.columns.size());
   }
   TimedRows rows(sink, timed.columns.size(), place, times_);

@@ -257,7 +257,7 @@ void refuse_beside_acts(const Json& root, const FieldPath& top, const Request& r
   if (std::ranges::none_of(request.events, [](const EventAsked& event) { return event.act != nullptr; })) return;
   const auto refuse = [&](const char* key, auto&& is_none, const char* allowed) {
     const Json* names = find(root, key);
-    // otherwise it has been refused already
+    // Otherwise it has been refused already
     for (std::size_t i = 0; names && names->is_array() && i < names->size(); ++i)
       if (const Json& name = (*names)[i]; name.is_string() && is_none(name.get_ref<const std::string&>()))
         top.at(key).at(i).fault(name.get<std::string>() + " knows no events that act", name, allowed);
@@ -288,7 +288,7 @@ void read_events(const Json& root, const FieldPath& top, Request& request) {
   if (json == nullptr) return;
   if (!json->is_array()) return path.fault("must be a list of events", *json, std::string(event_shape));
   MeasureReader reader(*request.scene);
-  // the plane of the section
+  // The plane of the section
   for (const Measure& plane : request.watched.list) reader.read(plane.card.name, plane.text);
   std::vector<const Json*> events;
   if (own != nullptr && own != json && !json->empty())

@@ -118,14 +118,14 @@ std::vector<std::string> velocity_names(const text::TextScene& scene) {
 // momenta that are not given follow from velocities.
 void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
                      const std::vector<std::string>& names, Scene& scene, std::vector<double>* velocities) {
-  // missing velocities are 0; in the catalogue, those of the default start, which is in momenta
+  // Missing velocities are 0; in the catalogue, those of the default start, which is in momenta
   const bool rests = !text.known;
   if (names.empty()) return;
   if (!rests && std::ranges::none_of(names, [&](const auto& name) { return find(initial, name) != nullptr; })) return;
   std::vector<double> state = scene.initial;
   const auto moving = state.begin() + text.capacity;
   const std::vector<double> said(moving,
-                                 // the momenta, where they are given
+                                 // The momenta, where they are given
                                  moving + static_cast<std::ptrdiff_t>(names.size()));
   if (rests)
     std::fill(moving, moving + text.capacity, 0.0);

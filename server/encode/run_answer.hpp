@@ -78,7 +78,7 @@ struct Form {
   std::string_view content_type;  ///< media type, as the answer states it
   std::size_t (*pieces)(const FinishedRun& run);
   void (*write)(const FinishedRun& run, std::size_t piece, std::string& out);
-  /// adds header fields of this format; may be null
+  /// Adds header fields of this format; may be null
   void (*add_fields)(const FinishedRun& run, Answer& answer) = nullptr;
 };
 

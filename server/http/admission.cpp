@@ -117,7 +117,7 @@ void Admission::look() {
   Waiters calls;
   {
     const std::lock_guard lock(mutex_);
-    // when a place is expected to become free
+    // When a place is expected to become free
     double soonest = running_ < places_ ? 0 : std::numeric_limits<double>::infinity();
     for (const Place& place : used_)
       if (!place.parked) soonest = std::min(soonest, told_left(place, now));

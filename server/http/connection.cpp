@@ -191,7 +191,7 @@ void Connection::leave() {
   if (state_ == State::reading && reader_.awaits() != Awaits::request) handler_.aborted(peer_.address);
   state_ = State::closed;
   if (const auto exchange = std::exchange(exchange_, nullptr)) {
-    // a client may leave at once after a complete answer
+    // A client may leave at once after a complete answer
     exchange->sent = offset_ == sending_.size() && exchange->outbox.done();
     if (exchange->sent) return;
     handler_.left(*exchange);  // before the computing thread is woken, and ends

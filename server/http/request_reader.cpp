@@ -128,7 +128,7 @@ std::optional<Refusal> RequestReader::read_chunks() {
       const auto line = read_line(longest_size_line);
       if (!line)
         return buffer_.size() > longest_size_line + part_of_line ? std::optional(malformed_chunks()) : std::nullopt;
-      // another reader may take a bare line feed for the end of the line
+      // Another reader may take a bare line feed for the end of the line
       if (!is_field_value(*line)) return malformed_chunks();
       std::uint32_t size = 0;
       const auto digits = std::min(line->find_first_of("; \t"), line->size());

@@ -23,7 +23,7 @@ class KeptRows final : public RowSink {
   bool append(std::span<const double> rows) override {
     while (!rows.empty()) {
       if (blocks_.empty() || blocks_.back().size() == block_size()) {
-        // the first block grows with its content, as most runs are short
+        // The first block grows with its content, as most runs are short
         if (!grow(blocks_.empty() ? 0 : block_size())) return false;
       }
       std::vector<double>& block = blocks_.back();

@@ -116,7 +116,7 @@ class LogQueue::Sink final : public spdlog::sinks::base_sink<std::mutex> {
       const bool written = write(line);
       lock.lock();
       if (written) continue;
-      // there is no reader, or it reads nothing while the service ends
+      // There is no reader, or it reads nothing while the service ends
       dropped += 1 + std::exchange(lines_, {}).size();
     }
   }

@@ -60,6 +60,39 @@ constexpr int looked_at = 8;              // orders
 constexpr double excess = 10;             // by how much their coefficients may exceed what the last two promise
 constexpr double far = 0.5, hush = 0.01;  // parts of the state's size; of the size expected of earlier orders
 
+/// Whether the coefficients of the two highest orders vanish, or underflow.
+bool vanish(const tape::Series& series, std::size_t moving) {
+  constexpr double nothing = 1e-290;  // below it digits are lost
+  for (int k = series.order(); k > 0 && k > series.order() - 2; --k)
+    for (std::size_t i = 0; i < moving; ++i)
+      if (!(std::abs(series.coefficients(k)[i]) <= nothing)) return false;
+  return true;
+}
+
+/// Whether the polynomials of this order solve the equations within the step h from the time t, every component of the
+/// motion to 12 digits of its own size: where forces are weak, positions and momenta differ by many orders. `state` has
+/// room for all variables.
+bool solve_closely(tape::Series& series, int order, double t, double h, double* state) {
+  constexpr double closely = 1e-12;
+  constexpr int looks = 4;
+  const auto coefficient = [&](int k, std::size_t i) { return series.coefficients(k)[i]; };
+  for (int look = 1; look <= looks; ++look) {
+    const double part = h * look / looks;
+    for (std::size_t i = 0; i < series.program().variables; ++i) {
+      state[i] = 0;
+      for (int k = order; k >= 0; --k) state[i] = state[i] * part + coefficient(k, i);
+    }
+    if (!series.defined(state, t + part)) return false;
+    for (std::size_t i = 0; i < series.program().moving; ++i) {
+      double slope = 0;
+      for (int k = order; k > 0; --k) slope = slope * part + k * coefficient(k, i);
+      const double size = std::max(std::abs(coefficient(0, i)), std::abs(state[i]));
+      if (!(std::abs(series.rate(i) - slope) * h <= closely * size)) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 double Expansion::size(int k) const {
@@ -99,11 +132,23 @@ double Expansion::length_by_series() const {
 }
 
 double Expansion::step(double most) {
-  double h = until_pole(std::min(length_by_series(), told_));
+  double h = std::min(length_by_series(), told_);
+  // Where the last coefficients vanish or underflow, as those of free motion and of one in a very weak force, they say
+  // nothing of how long a step may be. Then the equations say it: the step is doubled as long as the polynomials solve
+  // them in one that is much longer, so that it is itself good to many more digits. Where no end is known, it takes at
+  // most as long as the motion has taken before. What depends on the time may come from nowhere.
+  const bool silent = !reads_time_ && used_ > 0 && vanish(series_, moving_);
+  if (silent) {
+    constexpr double much = 16;
+    const double ahead = std::isfinite(most) ? most : std::abs(t_);
+    const double end = std::min({ahead, longest_, told_, rough_exp2(longest_step)});
+    while (h < end && solve_closely(series_, used_, t_, much * h, way_.data())) h *= 2;
+  }
+  h = until_pole(h);
   const std::optional<double> behind = program().switches.empty() ? std::nullopt : until_switch(h);
   h = std::min(h, most);
   const bool hides = guarded_ && until_hidden(h);
-  if (hides || (reads_time_ && may_hide_what_comes(h, most)))  // behind a switch the equations are other ones
+  if (hides || silent || (reads_time_ && may_hide_what_comes(h, most)))  // behind a switch the equations are other ones
     for (double told = h == behind ? before_switch * h : h; h > 0 && !solves(told); told = h) h *= 0.5;
   return reads_time_ && h < most ? up_to_number(h) : h;
 }

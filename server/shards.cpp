@@ -187,18 +187,19 @@ Answer refused(std::string pointer, std::string detail, std::string allowed, std
 // Part is a part that is being read: its first two lines, then block after block.
 struct Part {
   std::string path;
+  std::string pointer;  // to it, in the list of the parts
   PartLines lines;
   std::string head;
   Shard shard;
   bool damaged = false;
 };
 
-Part open_part(const std::string& path, Faults& faults) {
+Part open_part(const std::string& path, std::size_t place, Faults& faults) {
   errno = 0;
-  Part part{path, PartLines(path), {}, {}};
+  Part part{path, fmt::format("/parts/{}", place), PartLines(path), {}, {}};
   const int why = errno;
   const auto fault = [&](std::string_view what) {
-    faults.add({"/" + path, fmt::format("{} {}", path, what), {}, {}});
+    faults.add({part.pointer, fmt::format("{} {}", path, what), {}, {}});
     part.shard.of = 0;
   };
   std::string line;
@@ -230,7 +231,7 @@ Result<EnsemblePlan, Faults> plan_of(const Part& part, const Cards& cards) {
   constexpr Caps caps{1e9, greatest_count, 1'000'000'000};  // the limits were checked where the part was computed
   auto parsed = parse_json(part.head);
   Faults faults;
-  faults.add({"/" + part.path, part.path + " is no part of an ensemble of this version", {}, {}});
+  faults.add({part.pointer, part.path + " is no part of an ensemble of this version", {}, {}});
   if (!parsed || !parsed->tree.is_object()) return faults;
   parsed->tree.erase("kind");
   parsed->tree.erase("version");
@@ -253,7 +254,7 @@ void check_parts(const std::vector<Part>& parts, const Part& model, const Ensemb
   std::vector<const Part*> seen(static_cast<std::size_t>(of));
   for (const Part& part : parts) {
     const auto fault = [&](std::string_view what) {
-      faults.add({"/" + part.path, fmt::format("{}{}", part.path, what), {}, {}});
+      faults.add({part.pointer, fmt::format("{}{}", part.path, what), {}, {}});
     };
     if (part.head != model.head || part.shard.of != of) {
       fault(" is a part of another ensemble than " + model.path);
@@ -344,7 +345,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
   Faults faults;
   std::vector<Part> parts;
   parts.reserve(paths.size());
-  for (const std::string& path : paths) parts.push_back(open_part(path, faults));
+  for (const std::string& path : paths) parts.push_back(open_part(path, parts.size(), faults));
   std::erase_if(parts, [](const Part& part) { return part.shard.of == 0; });
   if (parts.empty()) return problem_document(faults, id);
   const Part& model = one_of_most(parts);
@@ -358,7 +359,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
   std::string line;
   const std::size_t most = most_of_block(*plan);
   const auto damaged = [&](Part& part, const std::string& how) {
-    faults.add({"/" + part.path, fmt::format("{} is damaged: {}", part.path, how), {}, {}});
+    faults.add({part.pointer, fmt::format("{} is damaged: {}", part.path, how), {}, {}});
     part.damaged = true;
   };
   for (std::int64_t b = plan->first_block(); b < plan->end_block(); ++b) {

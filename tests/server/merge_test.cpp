@@ -204,6 +204,7 @@ TEST_F(EnsembleParts, AreRefusedByName) {
   expect_refused({"0", "1", "2", "1"}, "is shard 1/3, and so is " + path("1"));
   expect_refused({"0", "1", "2", "half"}, path("half") + " is a part of another ensemble");
   expect_refused({"0", "1", "none"}, path("none") + " cannot be read");
+  expect_refused({"0", "1", "none"}, R"("pointer":"/parts/2")");
   std::ofstream(path("text")) << "one\ntwo\n";
   expect_refused({"text", "0"}, path("text") + " is no part");
   std::filesystem::resize_file(path("2"), std::filesystem::file_size(path("2")) - 10);

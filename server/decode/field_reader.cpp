@@ -19,10 +19,29 @@ std::string beyond(double x, const Range& range) {
   return fmt::format("must be {} {}", range.high_open ? "less than" : "at most", shortest(range.high));
 }
 
-// number_of returns a number, or the value of a text of constants.
-std::optional<double> number_of(const Json& json) {
-  if (json.is_string()) return text::constant_of(json.get_ref<const std::string&>());
-  return json.is_number() ? std::optional(json.get<double>()) : std::nullopt;
+// note_why notes why a text is no number, with the position of the character at fault.
+void note_why(const Json& json, const FieldPath& path, std::string_view kind, std::string_view allowed) {
+  const auto parsed = text::Expression::parse(json.get<std::string>(), text::most_characters);
+  const auto* const expression = std::get_if<text::Expression>(&parsed);
+  tape::Tape tape;
+  const auto recorded = expression ? expression->record(tape, {}) : std::get<text::Fault>(parsed);
+  const auto* const fault = std::get_if<text::Fault>(&recorded);
+  if (!fault) return;
+  path.faults->add({path.pointer,
+                    fault->unknown.empty() ? fault->detail : fmt::format("must be {}: {}", kind, fault->detail),
+                    shown(json), std::string(allowed), fault->position});
+}
+
+// number_of returns a number, or the value of a text of constants. Otherwise it notes what is wrong and returns nothing;
+// `kind` says in words what is expected.
+std::optional<double> number_of(const Json& json, const FieldPath& path, std::string_view kind,
+                                std::string_view allowed) {
+  if (json.is_number()) return json.get<double>();
+  const auto value = json.is_string() ? text::constant_of(json.get_ref<const std::string&>()) : std::nullopt;
+  if (value) return value;
+  if (json.is_string()) note_why(json, path, kind, allowed);
+  path.fault(fmt::format("must be {}", kind), json, std::string(allowed));  // unless a fault was noted there
+  return std::nullopt;
 }
 
 constexpr std::string_view weights_shape = "{\"weights\": [w1, …, wn]}, symmetric, of sum 1";
@@ -79,27 +98,26 @@ bool read_object(const Json& json, const FieldPath& path, const Names& known, st
 }
 
 std::optional<double> read_number(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
-  const auto x = number_of(json);
-  if (!x) {
-    path.fault(fmt::format("must be a number{}", other), json, interval(range).append(other));
-  } else if (!std::isfinite(*x) || !range.contains(*x)) {
-    path.fault(beyond(*x, range).append(other), json, interval(range).append(other));
-  } else {
-    return x;
-  }
+  const std::string allowed = interval(range).append(other);
+  const auto x = number_of(json, path, fmt::format("a number{}", other), allowed);
+  if (!x) return std::nullopt;
+  if (std::isfinite(*x) && range.contains(*x)) return x;
+  path.fault(beyond(*x, range).append(other), json, allowed);
   return std::nullopt;
 }
 
 std::optional<double> read_whole(const Json& json, const FieldPath& path, const Range& range, std::string_view other) {
-  const auto x = number_of(json);
-  if (x && *x == std::floor(*x)) {
-    // An integer that no double represents exactly exceeds all ranges of counts, but might not once it is rounded.
-    const bool exact = !json.is_number_unsigned() || json.get<std::uint64_t>() <= std::uint64_t{greatest_count};
-    if (exact) return read_number(json, path, range, other);
-    path.fault(beyond(*x * 2, range).append(other), json, interval(range).append(other));
+  const std::string kind = fmt::format("a whole number{}", other), allowed = interval(range).append(other);
+  const auto x = number_of(json, path, kind, allowed);
+  if (!x) return std::nullopt;
+  if (*x != std::floor(*x)) {
+    path.fault("must be " + kind, json, allowed);
     return std::nullopt;
   }
-  path.fault(fmt::format("must be a whole number{}", other), json, interval(range).append(other));
+  // What is no double is beyond every range of counts; rounded, it might not be.
+  const bool exact = !json.is_number_unsigned() || json.get<std::uint64_t>() <= std::uint64_t{greatest_count};
+  if (exact) return read_number(json, path, range, other);
+  path.fault(beyond(*x * 2, range).append(other), json, allowed);
   return std::nullopt;
 }
 

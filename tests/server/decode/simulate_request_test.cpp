@@ -146,7 +146,7 @@ TEST(Decode, AWordMayStandForANumber) {
   }
   EXPECT_EQ(fault_at(bad(with("kappa", "null")), "/scheme/kappa").detail, R"(must be a number or "energy")");
   const Fault fault = fault_at(bad(with("critical", R"("energy")")), "/scheme/critical");
-  EXPECT_EQ(fault.detail, "must be a number or null");
+  EXPECT_EQ(fault.detail, "must be a number or null: nobody knows the name energy");
   EXPECT_EQ(fault.allowed, "[0, 9] or null");
   EXPECT_EQ(fault_at(bad(with("stages", "2.5")), "/scheme/stages").detail, "must be a whole number or null");
 }

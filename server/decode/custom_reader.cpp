@@ -123,9 +123,20 @@ std::shared_ptr<const Mechanics> made_of(text::TypedScene typed, const Json& pro
   if (take_sizes(problem, path, mechanics().get(), typed)) made = custom_mechanics(typed);
   if (auto* const wrong = std::get_if<std::vector<text::DefinitionFault>>(&made)) {
     for (const auto& fault : *wrong) add_fault(fault, path);
-    for (const auto& fault : further_faults(std::move(typed), std::move(*wrong))) add_fault(fault, path);
+    auto further = further_faults(std::move(typed), std::move(*wrong));
+    for (const auto& fault : further.faults) add_fault(fault, path);
+    return further.stand_in;
   }
   return mechanics();
+}
+
+// Whether a number that says how many there are of a kind could not be read: then nothing is known of the variables.
+bool lacks_a_size(const Mechanics& mechanics, const FieldPath& path) {
+  const text::Vocabulary* const words = mechanics.text()->definition.vocabulary.get();
+  return words && std::ranges::any_of(words->fixed, [&](const auto& name) {
+           return path.faults->within(path.at("parameters").at(name).pointer) ||
+                  path.faults->within(path.at(name).pointer);
+         });
 }
 
 }  // namespace
@@ -172,8 +183,9 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
     with(kinds[*kind], [&](const Json& json, const FieldPath& at) {
       if (definition.kind == Definition::Kind::equations) {
         read_texts(json, at, true, definition.equations);
-      } else if (auto text = read_text(json, at, false)) {
-        definition.formula = std::move(*text);
+      } else {
+        auto text = read_text(json, at, false);
+        definition.formula = text ? std::move(*text) : simplest_formula(definition, {});
       }
     });
   }
@@ -191,14 +203,13 @@ std::shared_ptr<const Mechanics> read_custom(const Json& problem, const FieldPat
          [&](const Json& json, const FieldPath& at) { definition.action_curvature = read_text(json, at, true); });
     with("offset", [&](const Json& json, const FieldPath& at) { definition.offset = read_text(json, at, true); });
   }
-  const bool readable =
-      kind && !faults.within(here.at("variables").pointer) && !faults.within(here.at("parameters").pointer) &&
-      (definition.kind == Definition::Kind::equations ? !faults.at(here.at(kinds[*kind]).pointer)
-                                                      : !faults.within(here.at(kinds[*kind]).pointer));
+  const bool readable = kind && !faults.within(here.at("variables").pointer) &&
+                        !faults.at(here.at("parameters").pointer) &&
+                        !(definition.kind == Definition::Kind::equations && faults.at(here.at(kinds[*kind]).pointer));
   std::shared_ptr<const Mechanics> mechanics;
   if (readable) {
     mechanics = made_of(std::move(typed), problem, here);
-    if (!faults.empty()) mechanics = nullptr;
+    if (mechanics && !faults.empty() && lacks_a_size(*mechanics, here)) mechanics = nullptr;
   }
   if (!mechanics) {  // for a scene that could be read, the reader of its parameters checks the keys
     const auto reserved = text::reserved_keys();

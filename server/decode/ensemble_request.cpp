@@ -94,44 +94,50 @@ void check_finals(const Json& root, const FieldPath& top, const EnsemblePlan& pl
       root["keep"], "statistics, section");
 }
 
+// How a column is to be counted, without the column; nothing after noting what is wrong.
+std::optional<HistogramAsked> read_histogram(const Json& entry, const FieldPath& place) {
+  if (!read_object(entry, place, {"range", "bins", "counts", "below", "above"}, "a histogram")) return std::nullopt;
+  const Json *range = find(entry, "range"), *bins = find(entry, "bins");
+  if (range == nullptr || bins == nullptr)
+    place.fault("must hold range and bins", entry, "{\"range\": [low, high], \"bins\": 50}");
+  HistogramAsked asked;
+  if (bins) asked.bins = read_integer(*bins, place.at("bins"), 1, most_bins).value_or(1);
+  if (range == nullptr) return std::nullopt;
+  const FieldPath ends = place.at("range");
+  const auto numbers = range->is_array() ? read_list(*range, ends, anywhere) : std::vector<double>();
+  if (ends.faults->within(ends.pointer)) return std::nullopt;
+  if (numbers.size() != 2 || !(numbers[0] < numbers[1])) {
+    ends.fault("must be two numbers, the lower first", *range, "[low, high]");
+  } else if (!std::isfinite(numbers[1] - numbers[0])) {
+    ends.fault("is wider than a double can say", *range);
+  } else {
+    asked.low = numbers[0];
+    asked.high = numbers[1];
+  }
+  if (place.faults->within(place.pointer)) return std::nullopt;
+  return asked;
+}
+
 void read_histograms(const Json& root, const FieldPath& top, EnsemblePlan& plan) {
   const Json* json = find(root, "histograms");
   if (json == nullptr) return;
   const FieldPath path = top.at("histograms");
   const bool refused = top.faults->within("/columns");  // then a name may refer to a column that was refused
-  const std::size_t cards = plan.request.scene->card().columns.size() + plan.request.measures.size();
   Names columns;
-  for (const auto column : plan.request.columns)
-    columns.push_back(column < cards ? std::string_view(plan.request.column(column).name) : std::string_view());
-  if (refused ? !json->is_object() : !read_object(*json, path, columns, "histograms, which are of the columns")) return;
+  if (plan.request.scene->mechanics) {
+    const std::size_t cards = plan.request.scene->card().columns.size() + plan.request.measures.size();
+    for (const auto column : plan.request.columns)
+      columns.push_back(column < cards ? std::string_view(plan.request.column(column).name) : std::string_view());
+  }
+  const bool known = plan.request.scene->mechanics && !refused;  // what columns there are
+  if (known && !read_object(*json, path, columns, "histograms, which are of the columns")) return;
+  if (!json->is_object()) return path.fault("must be an object", *json, "{\"x\": {\"range\": …, \"bins\": …}}");
   for (const auto& [name, entry] : json->items()) {
+    auto asked = read_histogram(entry, path.at(name));
     const auto column = std::ranges::find(columns, name);
-    const FieldPath place = path.at(name);
-    const bool known = column != columns.end() && !column->empty();
-    if (!known && !refused) continue;
-    if (!read_object(entry, place, {"range", "bins", "counts", "below", "above"}, "a histogram")) continue;
-    const Json *range = find(entry, "range"), *bins = find(entry, "bins");
-    if (range == nullptr || bins == nullptr) {
-      place.fault("must hold range and bins", entry, "{\"range\": [low, high], \"bins\": 50}");
-      continue;
-    }
-    HistogramAsked asked;
-    asked.column = static_cast<std::size_t>(column - columns.begin());
-    const auto numbers = range->is_array() ? read_list(*range, place.at("range"), anywhere) : std::vector<double>();
-    if (!range->is_array() || numbers.size() != 2 || !(numbers[0] < numbers[1])) {
-      if (!place.faults->within(place.at("range").pointer)) {
-        place.at("range").fault("must be two numbers, the lower first", *range, "[low, high]");
-      }
-      continue;
-    }
-    asked.low = numbers[0];
-    asked.high = numbers[1];
-    if (!std::isfinite(asked.high - asked.low)) {
-      place.at("range").fault("is wider than a double can say", *range);
-      continue;
-    }
-    asked.bins = read_integer(*bins, place.at("bins"), 1, most_bins).value_or(1);
-    if (known) plan.histograms.push_back(asked);
+    if (!asked || column == columns.end() || column->empty()) continue;
+    asked->column = static_cast<std::size_t>(column - columns.begin());
+    plan.histograms.push_back(*asked);
   }
 }
 
@@ -217,8 +223,8 @@ Result<EnsemblePlan, Faults> decode_ensemble(ParsedJson body, const Cards& cards
   if (card) {
     check_columns(root, top, *card);
     read_plane_of_all(root, top, scheme_card, keeps_section, request);
-    read_histograms(root, top, plan);
   }
+  read_histograms(root, top, plan);
   if (faults.empty()) check_trajectories(root, top, plan);
   if (!faults.empty()) return faults;
   return plan;

@@ -32,8 +32,8 @@ void note_why(const Json& json, const FieldPath& path, std::string_view kind, st
                     shown(json), std::string(allowed), fault->position});
 }
 
-// number_of returns a number, or the value of a text of constants. Otherwise it notes what is wrong and returns nothing;
-// `kind` says in words what is expected.
+// number_of returns a number, or the value of a text of constants. Otherwise it notes what is wrong and returns
+// nothing; `kind` says in words what is expected.
 std::optional<double> number_of(const Json& json, const FieldPath& path, std::string_view kind,
                                 std::string_view allowed) {
   if (json.is_number()) return json.get<double>();

@@ -1,7 +1,7 @@
 #include "server/decode/further_faults.hpp"
 
+#include <cctype>
 #include <iterator>
-#include <memory>
 #include <utility>
 #include <variant>
 
@@ -37,29 +37,66 @@ bool replace(text::TypedScene& typed, const DefinitionFault& fault) {
                                                                         {"/dissipation", &scene.dissipation}};
   for (const auto& [pointer, text] : single)
     if (fault.pointer == pointer) {
-      text->reset();
+      if (fault.in_text)
+        *text = "1";
+      else
+        text->reset();  // it has no place there
       return true;
     }
-  if (fault.pointer != "/potential") return false;
-  scene.formula = "0";
+  if (scene.kind == Definition::Kind::equations ||
+      fault.pointer != "/" + std::string(Definition::kind_names[static_cast<std::size_t>(scene.kind)]))
+    return false;
+  std::string simplest = simplest_formula(scene, scene.formula);
+  if (scene.formula == simplest) return false;
+  scene.formula = std::move(simplest);
   return true;
+}
+
+/// Whether a text has this name in it.
+bool names(std::string_view text, std::string_view name) {
+  const auto is_part = [](char c) { return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0; };
+  for (std::size_t at = text.find(name); at != text.npos; at = text.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || !is_part(text[at - 1])) && (end == text.size() || !is_part(text[end]))) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
-std::vector<DefinitionFault> further_faults(text::TypedScene typed, std::vector<DefinitionFault> first) {
+std::string simplest_formula(const Definition& scene, std::string_view text) {
+  const bool lagrangian = scene.kind == Definition::Kind::lagrangian;
+  if (!lagrangian && scene.kind != Definition::Kind::hamiltonian) return "0";
+  std::string formula;
+  for (const std::string& variable : scene.variables) {
+    const std::size_t bracket = variable.find('[');
+    const bool many = bracket != variable.npos;
+    const std::string of_one = variable.substr(0, bracket) + (many ? "[i]" : "");
+    const std::string square = (lagrangian ? text::velocity_name(of_one) : text::momentum_name(of_one)) + "^2/2";
+    formula += formula.empty() ? "" : " + ";
+    formula +=
+        many ? "sum(i=1.." + variable.substr(bracket + 1, variable.size() - bracket - 2) + ", " + square + ")" : square;
+  }
+  return names(text, "s") ? formula + (lagrangian ? " - s" : " + s") : formula;
+}
+
+FurtherFaults further_faults(text::TypedScene typed, std::vector<DefinitionFault> first) {
   constexpr int most_rounds = 4;
-  std::vector<DefinitionFault> found = std::move(first), all;
+  std::vector<DefinitionFault> found = std::move(first);
+  FurtherFaults further;
   for (int round = 0; round < most_rounds; ++round) {
     for (const DefinitionFault& fault : found)
-      if (!replace(typed, fault)) return all;
-    const auto made = custom_mechanics(typed);
-    const auto* wrong = std::get_if<std::vector<DefinitionFault>>(&made);
-    if (!wrong) break;
-    found = *wrong;
-    all.insert(all.end(), found.begin(), found.end());
+      if (!replace(typed, fault)) return further;
+    auto made = custom_mechanics(typed);
+    auto* wrong = std::get_if<std::vector<DefinitionFault>>(&made);
+    if (!wrong) {
+      further.stand_in = std::get<std::shared_ptr<const Mechanics>>(std::move(made));
+      return further;
+    }
+    found = std::move(*wrong);
+    further.faults.insert(further.faults.end(), found.begin(), found.end());
   }
-  return all;
+  return further;
 }
 
 }  // namespace least::server

@@ -79,7 +79,7 @@ bool read_numbers(const Json& json, const FieldPath& path, const Range& range, V
   }
   const bool within = variation.spread == Spread::values || variation.spread == Spread::uniform;
   variation.numbers = read_list(json, path, within ? range : anywhere);
-  if (variation.numbers.size() != json.size()) return false;
+  if (variation.spread != Spread::grid && variation.numbers.size() != json.size()) return false;
   const auto& n = variation.numbers;
   switch (variation.spread) {
     case Spread::values:
@@ -89,8 +89,9 @@ bool read_numbers(const Json& json, const FieldPath& path, const Range& range, V
       path.fault(fmt::format("goes the wrong way: from {} to {}", shortest(n[0]), shortest(n[1])), json, shape);
       return false;
     case Spread::grid:
-      if (!read_number(json[0], path.at(0), range) || !read_number(json[1], path.at(1), range)) return false;
-      if (!read_whole(json[2], path.at(2), {1, most_grid})) return false;
+      for (const std::size_t end : {0U, 1U}) read_number(json[end], path.at(end), range);
+      read_whole(json[2], path.at(2), {1, most_grid});
+      if (path.faults->within(path.pointer)) return false;
       if (n[2] == 1 ? n[0] <= n[1] : n[0] < n[1]) return true;
       path.fault(fmt::format("goes the wrong way: from {} to {}", shortest(n[0]), shortest(n[1])), json, shape);
       return false;

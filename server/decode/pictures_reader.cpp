@@ -23,12 +23,9 @@ std::vector<std::string> read_place(const Json& json, const FieldPath& path) {
     return place;
   }
   for (std::size_t i = 0; i < json.size(); ++i) {
-    if (json[i].is_string())
-      place.push_back(json[i].get<std::string>());
-    else if (json[i].is_number())
-      place.push_back(json[i].dump());
-    else
+    if (!json[i].is_string() && !json[i].is_number())
       path.at(i).fault("must be a column or an expression", json[i], "\"x\", or \"l*sin(theta)\"");
+    place.push_back(json[i].is_string() ? json[i].get<std::string>() : json[i].is_number() ? json[i].dump() : "0");
   }
   return place;
 }

@@ -142,7 +142,8 @@ void read_velocities(const Json& initial, const FieldPath& start, const text::Te
     if (const auto value = read_number(*json, start.at(names[i]), anywhere))
       moving[static_cast<std::ptrdiff_t>(i)] = *value;
   }
-  if (in_momenta.size() == names.size() || start.faults->within(start.pointer)) return;
+  if (in_momenta.size() == names.size() || start.faults->within(start.pointer) || start.faults->within("/problem"))
+    return;
   if (velocities && in_momenta.empty()) velocities->assign(moving, moving + static_cast<std::ptrdiff_t>(names.size()));
   std::vector<double> momenta(in_momenta.size());
   std::ranges::transform(in_momenta, momenta.begin(), [&](std::size_t i) { return said[i]; });
@@ -235,7 +236,7 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     if (text && text->definition.typed) check_pictures(text->definition.typed->pictures, path, scene);
   }
 
-  if (text)
+  if (text && !top.faults->within(path.pointer))
     if (const auto objection = text->objection(scene.parameters))
       add_objection(root, top, scene, *objection,
                     [&](const Scene& other) { return !text->objection(other.parameters); });
@@ -321,6 +322,8 @@ std::vector<double> read_settings(const Json& json, const FieldPath& path, const
 }
 
 void check_pair(const Cards& cards, const Scene& scene, std::size_t scheme, const FieldPath& path) {
+  const text::TextScene* const text = scene.mechanics->text();
+  if (text && !text->known && path.faults->within("/problem")) return;  // something else may stand in for it
   const ProblemCard& problem = scene.card();
   const SchemeCard& card = cards.schemes[scheme];
   std::string why = objection_to_scheme(scene, card.id);  // the reason may depend on the parameters

@@ -32,7 +32,8 @@ struct NamedEntry {
 /// read_entry reads one; `what` says what is named ("problem"). `json` is null where the request has no value.
 NamedEntry read_entry(const Json* json, const FieldPath& path, std::string_view what, const Names& ids);
 
-/// read_problem returns the problem of a request, from the catalogue or given as text; null after noting faults.
+/// read_problem returns the problem of a request, from the catalogue or given as text. After noting faults it returns
+/// null, or a stand-in for the scene (see read_custom), of which only the names may be relied on.
 std::shared_ptr<const Mechanics> read_problem(const Json& root, const FieldPath& top, const Cards& cards);
 
 /// read_scene reads parameters and start of a scene whose mechanics is set: defaults of the card, then of the preset,
@@ -56,7 +57,8 @@ void check_start(const Json& root, const FieldPath& top, Scene& scene);
 std::vector<double> read_settings(const Json& json, const FieldPath& path, const SchemeCard& card, const Scene* scene,
                                   const PresetCard* preset);
 
-/// check_pair notes a fault where the scheme cannot run the problem; `path` is that of the scheme's name.
+/// check_pair notes a fault where the scheme cannot run the problem, unless the problem is a stand-in; `path` is that
+/// of the scheme's name.
 void check_pair(const Cards& cards, const Scene& scene, std::size_t scheme, const FieldPath& path);
 
 /// check_settings notes settings that are valid each but do not go together; `path` is the scheme's.

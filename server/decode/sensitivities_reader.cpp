@@ -132,7 +132,7 @@ std::string pointer_in_one_way(std::string pointer) {
   return fmt::format("{}[{}]", pointer.substr(0, last), std::stoll(index) + 1);
 }
 
-void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard& scheme, SimulateRequest& decoded) {
+void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard* scheme, SimulateRequest& decoded) {
   const Json* json = find(root, "sensitivities");
   const FieldPath path = top.at("sensitivities");
   if (json == nullptr || !read_object(*json, path, {"by", "order", "of", "at", "holds"}, "sensitivities")) return;
@@ -141,7 +141,7 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   SensitivitiesAsked asked;
   if (const Json* order = find(*json, "order"))
     asked.order = static_cast<int>(read_integer(*order, path.at("order"), 1, 2).value_or(1));
-  const bool equal_steps = !scheme.own_clock && scheme.id != auto_card().id;
+  const bool equal_steps = scheme && !scheme->own_clock && scheme->id != auto_card().id;
   const bool acts = std::ranges::any_of(request.events, [](const EventAsked& event) { return event.act != nullptr; });
   const bool by_steps = request.record.mode == Record::Mode::every;
   if (const Json* at = find(*json, "at"))
@@ -155,12 +155,13 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   if (of) {
     const Names names(variations::map_names.begin(), variations::map_names.end());
     asked.of_scheme = read_name(*of, path.at("of"), names, "map").value_or(0) == 1;
-    if (asked.of_scheme && !equal_steps)
-      path.at("of").fault(scheme.id + " sets its steps itself: of its own map there is no derivative", *of, "motion");
+    if (asked.of_scheme && scheme && !equal_steps)
+      path.at("of").fault(scheme->id + " sets its steps itself: of its own map there is no derivative", *of, "motion");
   }
-  if (asked.at_samples && by_steps && request.record.count == 0)
+  const bool known_samples = scheme && !top.faults->within("/record");
+  if (known_samples && asked.at_samples && by_steps && request.record.count == 0)
     path.at("at").fault("there are no samples: record keeps none", (*json)["at"], "final");
-  else if (asked.at_samples && asked.of_scheme && !by_steps)
+  else if (known_samples && asked.at_samples && asked.of_scheme && !by_steps)
     path.at("at").fault("of the map of a scheme at whole steps alone", (*json)["at"],
                         "final, or record: {\"every\": …}");
 
@@ -191,7 +192,7 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
     return path.fault("the equations of the derivatives of this scene are too long", *json);
   }
   if (asked.of_scheme) {
-    std::string why = variations::no_walk(scene, scheme, *asked.equations, asked.by);
+    std::string why = variations::no_walk(scene, *scheme, *asked.equations, asked.by);
     if (of && !why.empty()) return path.at("of").fault(std::move(why), *of, "motion");
     asked.of_scheme = why.empty();
   }

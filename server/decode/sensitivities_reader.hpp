@@ -10,8 +10,8 @@ namespace least::server {
 /// spelling of answers.
 std::string pointer_in_one_way(std::string pointer);
 
-/// read_sensitivities reads which derivatives are asked for; the rest of the request must be without faults. `scheme`
-/// may be that of `auto`.
-void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard& scheme, SimulateRequest& decoded);
+/// read_sensitivities reads which derivatives are asked for. `scheme` may be that of `auto`; it is null where the
+/// scheme of the request was refused.
+void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard* scheme, SimulateRequest& decoded);
 
 }  // namespace least::server

@@ -55,8 +55,8 @@ Result<SimulateRequest, Faults> decode(ParsedJson body, const Cards& cards, cons
   if (problem_card) {
     read_section(root, top, scheme_card, request);
     read_events(root, top, request);
+    read_sensitivities(root, top, scheme_card, decoded);
   }
-  if (faults.empty()) read_sensitivities(root, top, *scheme_card, decoded);
   if (!faults.empty()) return faults;
   request.control = true;  // the control run is made whichever diagnostics are asked for
   request.scheme = automatic ? 0 : *scheme.index;

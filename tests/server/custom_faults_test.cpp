@@ -54,6 +54,100 @@ TEST_F(CustomFaults, NoneHidesOthers) {
   }
 }
 
+// Pointers of all faults of a reply, in their order.
+std::vector<std::string> pointers_of(const Reply& reply) {
+  EXPECT_EQ(reply.status, 422) << reply.body;
+  std::vector<std::string> pointers;
+  const Json document = Json::parse(reply.body);
+  for (const Json& error : document["errors"]) pointers.push_back(error["pointer"]);
+  std::ranges::sort(pointers);
+  return pointers;
+}
+
+// A fault in the scene hides nothing of the rest of the request, which is read by the names that the scene has all the
+// same; and nothing is told that is no fault once the scene is mended.
+TEST_F(CustomFaults, OfASceneHideNothingOfTheRequest) {
+  const struct {
+    const char *path, *request;
+    std::vector<std::string> pointers;
+  } rows[] = {
+      {"/v1/simulate",
+       R"~({"problem":{"id":"custom","variables":["x"],"parameters":{"k":"foo"},"potential":"k*x^2/2"},
+          "initial":{"x":"1/0","px":true,"y":1},"scheme":{"id":"leapfrog","step":-1},"until":"pie",
+          "columns":["x","zz"],"record":{"every":-1},"diagnostics":["enrgy"],"norm":"q","limits":{"seconds":-1},
+          "events":[{"name":"e","expression":"x+"}],"section":{"period":-1},
+          "sensitivities":{"by":["/initial/zz","/problem/k"],"order":3,"of":"me","at":"x"}})~",
+       {"/columns/1", "/diagnostics/0", "/events/0/expression", "/initial/px", "/initial/x", "/initial/y",
+        "/limits/seconds", "/norm", "/problem/parameters/k", "/record/every", "/scheme/step", "/section/period",
+        "/sensitivities/at", "/sensitivities/by/0", "/sensitivities/of", "/sensitivities/order", "/until"}},
+      {"/v1/simulate",
+       R"~({"problem":{"id":"custom","variables":["x"],"lagrangian":"vx^2/2 - x^2/2 - s*foo"},
+          "initial":{"x":1,"vx":"q"},"scheme":"contact_splitting","until":1,"columns":["x","s","zz"],
+          "diagnostics":["decay","energy"]})~",
+       {"/columns/2", "/initial/vx", "/problem/lagrangian"}},
+      {"/v1/simulate",
+       R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2/2","damping":"0.1*foo"},
+          "scheme":"contact_splitting","until":1,"columns":["s","zz"],"diagnostics":["decay"]})~",
+       {"/columns/1", "/problem/damping"}},
+      {"/v1/simulate",
+       R"~({"problem":{"id":"custom","variables":["x"],"potential":7},"initial":{"x":1,"z":2},
+          "scheme":"kepler_splitting","until":1})~",
+       {"/initial/z", "/problem/potential"}},
+      {"/v1/simulate",
+       R"~({"problem":{"id":"custom","variables":["x","v"],"equations":{"x":"v+","v":"-x"}},
+          "initial":{"z":2},"scheme":"taylor","until":1,"columns":["v","w"]})~",
+       {"/columns/1", "/initial/z", "/problem/equations/x"}},
+      {"/v1/simulate",
+       R"~({"problem":{"id":"custom","variables":["x[n]"],"parameters":{"n":"many"},
+          "hamiltonian":"sum(i=1..n,px[i]^2/2)"},"initial":{"x":[1,2]},"scheme":"leapfrog","until":1})~",
+       {"/problem/parameters/n"}},
+      {"/v1/simulate",
+       R"~({"problem":{"id":"custom","variables":["x[3]","y[3]"],"parameters":{"m":[1,"a",3]},
+          "hamiltonian":"sum(i=1..3,(px[i]^2+py[i]^2)/2/mm[i])","views":[["x[1]","nope"]],
+          "bodies":[{"at":[true,"zz"],"linked":[9]},{"at":["x[1]","qq"],"kind":"star"}]},
+          "initial":{"x":[1,2],"px":[1,1,"a+"]},"scheme":"leapfrog","until":1})~",
+       {"/initial/px/2", "/initial/x", "/problem/bodies/0/at/0", "/problem/bodies/0/at/1", "/problem/bodies/0/linked/0",
+        "/problem/bodies/1/at/1", "/problem/bodies/1/kind", "/problem/hamiltonian", "/problem/parameters/m/1",
+        "/problem/views/0/1"}},
+      {"/v1/ensemble",
+       R"~({"problem":{"id":"custom","variables":["x"],"parameters":{"k":"foo"},"potential":"k*x^2/2"},
+          "initial":{"px":"w"},"scheme":"leapfrog","until":1,"columns":["x","zz"],"keep":["fin"],"range":[0,-1],
+          "members":{"count":-1,"seed":"a","vary":{"/initial/y":{"uniform":[0,1]},
+                     "/initial/x":{"grid":["a",1,2.5]}}},
+          "histograms":{"x":{"range":[1,"q"],"bins":0},"v":{"range":[2,1],"bins":"z","zz":1},"px":{"bins":0}}})~",
+       {"/columns/1", "/histograms/px", "/histograms/px/bins", "/histograms/v/bins", "/histograms/v/range",
+        "/histograms/v/zz", "/histograms/x/bins", "/histograms/x/range/1", "/initial/px", "/keep/0", "/members/count",
+        "/members/seed", "/members/vary/~1initial~1x/grid/0", "/members/vary/~1initial~1x/grid/2",
+        "/members/vary/~1initial~1y", "/problem/parameters/k", "/range/1"}},
+      {"/v1/ensemble",
+       R"~({"problem":"no_such","scheme":"leapfrog","until":1,"members":{"count":3},
+          "histograms":{"x":{"range":[2,1],"bins":0}}})~",
+       {"/histograms/x/bins", "/histograms/x/range", "/problem"}},
+  };
+  for (const auto& row : rows)
+    EXPECT_EQ(pointers_of(ask(port(), post(row.path, row.request))), row.pointers) << row.request;
+}
+
+// Of a number that is typed as a text it is said what is wrong with the text, and where.
+TEST_F(CustomFaults, OfANumberAsTextSayWhatIsWrongWithIt) {
+  const struct {
+    const char *until, *says;
+    int position;
+  } rows[] = {{"1/0", "no finite number", 1},
+              {"2*log(-1)", "no finite number", 2},
+              {"3*foo", "must be a number: nobody knows the name foo", 2},
+              {"2*(1+3", "never closed", 2}};
+  for (const auto& row : rows) {
+    const Json fault = only_fault(ask(port(), post("/v1/simulate", R"({"problem":{"id":"custom","variables":["x"],
+        "potential":"x^2/2"},"scheme":"taylor","until":")" + std::string(row.until) +
+                                                                       R"("})")));
+    EXPECT_EQ(fault["pointer"], "/until");
+    EXPECT_TRUE(says(fault, row.says)) << fault;
+    EXPECT_EQ(fault.value("position", -1), row.position) << fault;
+    EXPECT_EQ(fault["value"], row.until);
+  }
+}
+
 // How many there are of a kind is a parameter like any other: it may stand beside the id.
 TEST_F(CustomFaults, SizesMayStandBesideTheId) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]"],"parameters":{"n":2},"n":3,

@@ -15,7 +15,11 @@ const said = async (page) => JSON.parse(await page.evaluate(() => JSON.stringify
 const times = async (page) => Number(await page.getAttribute("html", "data-times"));
 const opened = (page, id) => page.waitForSelector(`html[data-shown=${id}]`);
 
-pageTest("every lesson runs, its claim is true, and its picture is in sight on every screen", { ...calm, viewport: { width: 1280, height: 720 } }, async (page) => {
+/** Work-precision has time for the points of a quiet machine, whatever else this one does. */
+const patient = (context) => context.route("**/v1/work-precision", (route) =>
+  route.continue({ postData: { ...route.request().postDataJSON(), budget_seconds: 8 } }));
+
+pageTest("every lesson runs, its claim is true, and its picture is in sight on every screen", { ...calm, viewport: { width: 1280, height: 720 }, prepare: patient }, async (page) => {
   for (const [i, lesson] of lessons.entries()) {
     if (i > 0) await page.keyboard.press("ArrowRight");
     await opened(page, lesson.id);
@@ -102,12 +106,13 @@ pageTest("equal work and equal steps, by a button each", { ...calm, hash: "#less
 
 pageTest("the control answers while it is dragged, with fewer points, one request at a time", { ...calm, hash: "#lesson=damped" },
   async (page) => {
-    let flying = 0, most = 0;
+    let flying = 0, most = 0, release;
+    const moved = new Promise((resolve) => (release = resolve)); // answers wait until the mouse has made all its moves
     const sizes = [];
     await page.route("**/v1/simulate", async (route) => {
       most = Math.max(most, ++flying);
       sizes.push(route.request().postDataJSON().record.samples);
-      await new Promise((resolve) => setTimeout(resolve, 60));
+      await moved;
       await route.continue().catch(() => {});
       flying--;
     });
@@ -117,10 +122,11 @@ pageTest("the control answers while it is dragged, with fewer points, one reques
     await page.mouse.down();
     for (let i = 1; i <= 20; i++) await page.mouse.move(x + width / 3 + (i * width) / 40, y + height / 2);
     await page.mouse.up();
+    release();
     await page.waitForSelector(ready);
     const shown = (await times(page)) - before;
     assert.equal(most, 2, "the two runs of one question");
-    assert.ok(shown >= 2 && sizes.length < 40, `${shown} pictures, ${sizes.length} requests for twenty moves`);
+    assert.ok(shown >= 2 && sizes.length <= 6, `${shown} pictures, ${sizes.length} requests for twenty moves`);
     assert.ok(sizes[0] < 1000 && sizes.at(-1) >= 4000, `${sizes}`);
     const value = Number(await page.inputValue("#control input[type=text]"));
     assert.equal((await said(page)).runs[0].problem.damping, value, "the newest wins");
@@ -146,12 +152,12 @@ pageTest("while one run is moved the others are not run again", { ...calm, hash:
   });
   await becomes(() => times(page), (now) => now > before);
   await page.locator("#control input[type=range]").evaluate((track) => track.dispatchEvent(new Event("change", { bubbles: true })));
-  await becomes(() => times(page), (now) => now > before + 1);
+  const samples = async () => (await said(page)).runs.map(({ trajectory: { t } }) => t.length);
+  await becomes(samples, (counts) => counts.every((count) => count === 4000)); // in the end all have all their samples
   const moved = Number(await page.inputValue("#control input[type=text]"));
   assert.ok(asked.length >= 1 && asked.every(({ problem }) => problem.epsilon === moved), JSON.stringify(asked.map(({ problem }) => problem)));
   const { runs } = await said(page);
   assert.deepEqual(runs.map(({ problem }) => problem.epsilon), [moved, 10, 100, 1000]);
-  assert.ok(runs.every(({ trajectory: { t } }) => t.length === 4000), "in the end with all their samples");
 });
 
 pageTest("a lesson plays, pauses and is wound by hand; the bodies move", { ready, hash: "#lesson=pendulum" }, async (page) => {

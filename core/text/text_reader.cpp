@@ -33,6 +33,7 @@ void TextReader::check_names() {
   constexpr std::string_view variable = "a variable";
   std::map<std::string, std::string_view, std::less<>> taken{
       {"t", "the time"}, {"s", "the action"}, {"pi", "the constant"}, {"energy", "the energy"}};
+  for (const auto word : {"and", "or", "not"}) taken.emplace(word, "a word of conditions");
   for (const auto column : column_names()) taken.emplace(column, "a column");
   for (const auto function : function_names()) taken.emplace(function, "a function");
   const auto take = [&](const std::string& pointer, const std::string& name, std::string_view what,

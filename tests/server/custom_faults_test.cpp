@@ -196,6 +196,7 @@ TEST_F(CustomFaults, FaultsNameTheirPlace) {
       {R"~("variables":["x","x"],"potential":"x")~", "/problem/variables/1", -1, "already"},
       {R"~("variables":["x","vx"],"potential":"x")~", "/problem/variables/1", -1, "vx is a velocity already, of x"},
       {R"~("variables":["sin"],"potential":"sin")~", "/problem/variables/0", -1, "sin is a function already"},
+      {R"~("variables":["not"],"potential":"x^2")~", "/problem/variables/0", -1, "not is a word of conditions already"},
       {R"~("variables":["x"],"parameters":{"t":1},"potential":"x")~", "/problem/parameters/t", -1, "already"},
       {R"~("variables":["x"],"parameters":{"potential":1},"potential":"x")~", "/problem/parameters/potential", -1,
        "key"},

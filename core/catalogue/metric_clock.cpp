@@ -75,10 +75,7 @@ class MetricMidpoint {
   Middle<U> middle(const A* x, const A& level, const A& kappa, const A& half, const U* u, LagrangianLook<U>& look,
                    std::vector<U>& place, std::vector<U>& slope, std::vector<U>& kick) const {
     for (std::size_t i = 0; i < n_; ++i) place[i] = x[i] + half * u[i];
-    U potential;
-    scene_->potential.evaluate(place.data(), 0.0, &potential);
-    scene_->gradient.evaluate(place.data(), 0.0, slope.data());
-    const U gap = level - potential;
+    const U gap = level - scene_->potential_with_gradient(place.data(), 0.0, slope.data());
     look.look([&](std::size_t i) { return place[i]; }, [&](std::size_t i) { return U(gap * u[i]); });
     const U slow = 0.5 * look.twice_kinetic() + kappa;  // D − slow = E₀ − E_d
     const U correction = (gap - slow) / gap, half_step = half / gap;

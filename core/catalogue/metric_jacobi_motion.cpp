@@ -43,7 +43,11 @@ MetricJacobiMotion<T>::MetricJacobiMotion(const text::SizedScene& scene, Quadrat
 
 template <class T>
 void MetricJacobiMotion<T>::look(Site& x, Work& work) const {
-  scene_->potential.evaluate(x.q.data(), 0.0, &x.potential);
+  auto& known = scratch_->gradient;
+  if (known.is_of(x.q))
+    scene_->potential.evaluate(x.q.data(), 0.0, &x.potential);
+  else
+    x.potential = scene_->potential_with_gradient(x.q.data(), 0.0, known.values.data());
   ++work.forces;
 }
 

@@ -49,11 +49,8 @@ SizedJacobiMotion<T>::SizedJacobiMotion(const text::SizedScene& scene, Quadratur
 
 template <class T>
 T SizedJacobiMotion<T>::look_at(const Numbers& q, Numbers& slope, Work& work) const {
-  T potential(0);
-  scene_->potential.evaluate(q.data(), 0.0, &potential);
-  scene_->gradient.evaluate(q.data(), 0.0, slope.data());
   ++work.forces;
-  return potential;
+  return scene_->potential_with_gradient(q.data(), 0.0, slope.data());
 }
 template <class T>
 void SizedJacobiMotion<T>::look(Site& x, Work& work) const {

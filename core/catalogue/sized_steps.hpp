@@ -172,8 +172,10 @@ class SizedContactLeapfrog {
 
  private:
   void look(const T* q, double t) {
-    scene_->gradient.evaluate(q, t, slope_.data());
-    if (acts_) scene_->potential.evaluate(q, t, &potential_);
+    if (acts_)
+      potential_ = scene_->potential_with_gradient(q, t, slope_.data());
+    else
+      scene_->gradient.evaluate(q, t, slope_.data());
     ++work_.forces;
   }
   /// The part of H that depends on s, with α at the present time.

@@ -4,6 +4,8 @@
 // Variables on the tapes have the numbers of these components.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -115,6 +117,21 @@ class SizedScene {
   /// potential_beside_constant returns V − constant_potential: a large constant would cost digits in differences of V.
   const tape::Formula& potential_beside_constant() const {
     return varying_potential.outputs() > 0 ? varying_potential : potential;
+  }
+  /// potential_with_gradient(q, t, slope) returns V at the place q of n coordinates and writes the n numbers of ∇V to
+  /// `slope`. Where there is one formula for both, their common parts are evaluated once.
+  template <class T>
+  T potential_with_gradient(const T* q, double t, T* slope) const {
+    T value(0);
+    if (potential_and_gradient.outputs() == 0) {
+      potential.evaluate(q, t, &value);
+      gradient.evaluate(q, t, slope);
+      return value;
+    }
+    std::array<T, 1 + tape::SparseJacobian::few> both;
+    potential_and_gradient.evaluate(q, t, both.data());
+    std::copy_n(both.begin() + 1, coordinates, slope);
+    return both[0];
   }
   /// motion() returns ẋ of the first `moving` components.
   const StateFormula& motion() const { return components > moving ? motion_ : rate; }

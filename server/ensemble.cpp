@@ -103,7 +103,7 @@ struct EnsembleStream {
     std::size_t points = 0;
     const auto computed = compute(plan, context, gone, *places, [&](Computed& sums, Block& block) {
       SectionPoints& section = block.harvest.section;
-      const std::size_t before = section.t.size(), most = static_cast<std::size_t>(plan.request.limits.samples);
+      const std::size_t before = section.t.size(), most = static_cast<std::size_t>(plan.most_points());
       section.cut(most - points, plan.request.columns.size());  // drops those beyond the limit
       points += section.t.size();
       TextPieces pieces = pieces_of_block(plan, block);
@@ -137,7 +137,7 @@ bool keep(const EnsemblePlan& plan, Computed& sums, Block& block) {
     sums.all = std::move(block.harvest);
     sums.held = std::move(block.held);
   } else {
-    sums.all.add(block.harvest, static_cast<std::size_t>(plan.request.limits.samples), sums.held);
+    sums.all.add(block.harvest, static_cast<std::size_t>(plan.most_points()), sums.held);
   }
   return true;
 }

@@ -67,8 +67,7 @@ std::size_t most_of_block(const EnsemblePlan& plan) {
   if (plan.final) numbers += static_cast<std::size_t>(block_size) * (1 + plan.request.columns.size());
   if (plan.trajectories)
     numbers += static_cast<std::size_t>(block_size) * (1 + row_count(plan) * plan.request.columns.size());
-  if (plan.request.section)
-    numbers += static_cast<std::size_t>(plan.request.limits.samples) * (3 + plan.request.columns.size());
+  if (plan.request.section) numbers += static_cast<std::size_t>(plan.most_points()) * (3 + plan.request.columns.size());
   return names + longest * numbers;
 }
 
@@ -256,8 +255,12 @@ void check_parts(const std::vector<Part>& parts, const Part& model, const Ensemb
     const auto fault = [&](std::string_view what) {
       faults.add({part.pointer, fmt::format("{}{}", part.path, what), {}, {}});
     };
-    if (part.head != model.head || part.shard.of != of) {
+    if (part.head != model.head) {
       fault(" is a part of another ensemble than " + model.path);
+      continue;
+    }
+    if (part.shard.of != of) {
+      fault(fmt::format(" is one of {} shards of this ensemble, and {} one of {}", part.shard.of, model.path, of));
       continue;
     }
     const Part*& place = seen[static_cast<std::size_t>(part.shard.index)];
@@ -370,7 +373,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
     if (!block || block->index != b) {
       damaged(part, fmt::format("block {} is not there", b));
     } else if (faults.empty()) {
-      all.add(block->harvest, static_cast<std::size_t>(plan->request.limits.samples));
+      all.add(block->harvest, static_cast<std::size_t>(plan->most_points()));
     }
   }
   for (Part& part : parts)
@@ -379,7 +382,8 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   tell_of_merge(plan->end_block() - plan->first_block(), seconds);
   const std::atomic<bool> never{false};
-  const EnsembleEnd end{ReturnCode::completed, seconds, warnings_of_few(*plan, never)};
+  // The parts do not say how long their members took, so that the cost has no time.
+  const EnsembleEnd end{ReturnCode::completed, unknown, warnings_of_few(*plan, never)};
   return {200, "application/json", encode_ensemble(*plan, cards, all, end), {}};
 }
 

@@ -215,8 +215,7 @@ void each_section_time(const EnsemblePlan& plan, See&& see) {
   const Request& request = plan.request;
   SectionTimes times(request.section, request.scene->start);
   const double end = request.until_steps ? grid_of(plan).end : request.end;
-  for (std::int64_t seen = 0; times.time() <= end && seen < request.limits.samples; times.next(), ++seen)
-    see(times.time());
+  for (std::int64_t seen = 0; times.time() <= end && seen < plan.most_points(); times.next(), ++seen) see(times.time());
 }
 
 /// each_row_time calls see(t) for the rows of trajectories.

@@ -166,6 +166,13 @@ std::string unresolved_members(std::string_view plane, std::int64_t count, std::
       plane, count, count == 1 ? "member" : "members", first);
 }
 
+std::string values_left_out(std::string_view column, std::int64_t count, std::int64_t completed) {
+  return fmt::format(
+      "{} is not a finite number for {} of the {} members that completed: statistics and histograms are "
+      "of the others",
+      column, count, completed);
+}
+
 std::string section_truncated(std::int64_t samples) {
   return fmt::format("more points of the section than limits.samples = {} has room for; the first are kept", samples);
 }

@@ -56,6 +56,8 @@ std::string number(double x);
 Message unresolved(const std::vector<std::string_view>& names, double t);
 /// `count` members of an ensemble, the index of the first of them, and the expression of the plane of their section.
 std::string unresolved_members(std::string_view plane, std::int64_t count, std::int64_t first);
+/// For a column of an ensemble that is not finite for `count` of the members that completed.
+std::string values_left_out(std::string_view column, std::int64_t count, std::int64_t completed);
 /// For a section with more points than so many numbers have room for.
 std::string section_truncated(std::int64_t samples);
 std::string step_limit(std::int64_t steps);

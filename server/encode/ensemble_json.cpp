@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <numeric>
+
 #include "core/catalogue/catalogue.hpp"
 #include "core/run/messages.hpp"
 #include "core/text/scene.hpp"
@@ -151,6 +153,18 @@ void write_status(JsonWriter& json, const Harvest& all, const EnsembleEnd& end) 
   json.key("stop").open('{').key("reason").text(name(end.reason)).key("members").integer(members).close('}');
 }
 
+/// counted_values returns how many values of column k, of members that completed, are in the statistics and histograms:
+/// those that are finite. All, where there is neither a statistic nor a histogram of this column.
+std::int64_t counted_values(const EnsemblePlan& plan, const Harvest& all, std::size_t k) {
+  if (k < all.columns.size()) return all.columns[k].count;
+  for (std::size_t i = 0; i < std::min(plan.histograms.size(), all.histograms.size()); ++i)
+    if (plan.histograms[i].column == k) {
+      const Histogram& counted = all.histograms[i];
+      return std::accumulate(counted.counts.begin(), counted.counts.end(), counted.below + counted.above);
+    }
+  return all.ended[static_cast<std::size_t>(ReturnCode::completed)];
+}
+
 void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harvest& all, const EnsembleEnd& end) {
   Cost cost = all.cost;
   cost.seconds = end.seconds;
@@ -162,6 +176,13 @@ void write_ensemble_cost(JsonWriter& json, const EnsemblePlan& plan, const Harve
   if (all.unresolved > 0)
     warnings.push_back({"events_unresolved", messages::unresolved_members(plan.request.watched.list[0].text,
                                                                           all.unresolved, all.first_unresolved)});
+  if (plan.statistics || !plan.histograms.empty()) {
+    const std::int64_t completed = all.ended[static_cast<std::size_t>(ReturnCode::completed)];
+    for (std::size_t k = 0; k < plan.request.columns.size(); ++k)
+      if (const std::int64_t counted = counted_values(plan, all, k); counted < completed)
+        warnings.push_back(
+            {"values_not_finite", messages::values_left_out(column_of(plan, k).name, completed - counted, completed)});
+  }
   write_warnings(json.key("warnings"), warnings);
 }
 

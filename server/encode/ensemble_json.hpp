@@ -12,7 +12,7 @@ namespace least::server {
 /// EnsembleEnd is how an ensemble ended, how long it took, and the warnings of some of its members.
 struct EnsembleEnd {
   ReturnCode reason = ReturnCode::completed;
-  double seconds = 0;
+  double seconds = 0;  ///< NaN where it is not known
   std::vector<Warning> warnings{};
 };
 

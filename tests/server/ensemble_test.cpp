@@ -318,6 +318,53 @@ TEST_F(EnsembleHttp, SaysOfWhichMembersEventsAreUnresolved) {
   EXPECT_EQ(told(Json::parse(lines.substr(lines.rfind("\n{") + 1))), whole);
 }
 
+// A column that is no finite number for some members is left out of statistics, and the answer says of how many.
+TEST_F(EnsembleHttp, SaysForHowManyMembersAColumnIsNotFinite) {
+  const std::string request =
+      R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": {"t": 1},
+          "columns": ["q", {"name": "l", "expression": "log(q)"}], "keep": ["final"],
+          "histograms": {"l": {"range": [-5, 5], "bins": 1}},
+          "members": {
+  "vary" : {
+    "/initial/q" : { "values" : [ -3, -2, -1, 1 ] }
+  }
+}
+})";
+  Json with_statistics = Json::parse(request), without = with_statistics;
+with_statistics["keep"] = {"statistics", "final"};
+without.erase("histograms");
+const auto told = [&](const Json& asked) {
+  std::vector<std::string> all;
+  const Json answer = Json::parse(ask(port(), post("/v1/ensemble", asked.dump())).body);
+  EXPECT_EQ(answer["completed"], 4);
+  for (const Json& warning : answer["warnings"])
+    if (warning["code"] == "values_not_finite") all.push_back(warning["detail"]);
+  return all;
+};
+for (const Json& asked : {with_statistics, Json::parse(request)}) {
+  const auto all = told(asked);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].find("l is not a finite number for 3 of the 4 members"), 0U) << all[0];
+}
+EXPECT_TRUE(told(without).empty()) << "final states have their nulls";
+}
+
+// The limit counts numbers: the time of a point and its other columns, as the sections of single runs do.
+TEST_F(EnsembleHttp, SectionsHaveRoomForAsManyNumbersAsTheLimitSays) {
+  Json request = Json::parse(
+      R"({"problem": "pendulum", "scheme": "leapfrog", "until": 100, "keep": ["section"], "section": {"period": 0.1},
+          "columns": [], "limits": {"samples": 1000}})");
+  for (int k = 0; k < 9; ++k)
+    request["columns"].push_back({{"name", "c" + std::to_string(k)}, {"expression", "q+" + std::to_string(k)}});
+  Json alone = request;
+  alone.erase("keep");
+  request["members"] = {{"count", 2}, {"vary", Json::object()}};
+  const Json many = Json::parse(ask(port(), post("/v1/ensemble", request.dump())).body);
+  EXPECT_EQ(many["section"]["t"].size(), 100U) << many.dump().substr(0, 300);
+  EXPECT_NE(many["warnings"].dump().find("section_truncated"), std::string::npos);
+  EXPECT_EQ(Json::parse(ask(port(), post("/v1/simulate", alone.dump())).body)["section"]["t"].size(), 100U);
+}
+
 // The request of the contract: members beyond the product of grids and values go through it again, with draws of their
 // own.
 TEST_F(EnsembleHttp, GridsAreGoneThroughAgainWhereSomethingIsDrawn) {

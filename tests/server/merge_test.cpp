@@ -28,6 +28,7 @@ TEST(Command, MergeSaysWhatItTakes) {
   EXPECT_GT(Json::parse(merged)["completed"], 0);
   EXPECT_FALSE(Json::parse(merged)["warnings"].empty()) << "orbits this close to their centre are wrong";
   EXPECT_EQ(without_cost(merged).dump(), without_cost(direct.output()).dump());
+  EXPECT_TRUE(Json::parse(merged)["cost"]["seconds"].is_null()) << "parts do not say how long their members took";
   const std::string said = merge.errors();
   EXPECT_NE(said.find("merged blocks=3 "), std::string::npos) << said;
   const auto number = [&](const std::string& name) {
@@ -202,7 +203,8 @@ TEST_F(EnsembleParts, AreRefusedByName) {
   part(orbits, "1/2", "half");
   expect_refused({"0", "2"}, "no part for the shards 1/3");
   expect_refused({"0", "1", "2", "1"}, "is shard 1/3, and so is " + path("1"));
-  expect_refused({"0", "1", "2", "half"}, path("half") + " is a part of another ensemble");
+  expect_refused({"0", "1", "2", "half"},
+                 path("half") + " is one of 2 shards of this ensemble, and " + path("0") + " one of 3");
   expect_refused({"0", "1", "none"}, path("none") + " cannot be read");
   expect_refused({"0", "1", "none"}, R"("pointer":"/parts/2")");
   std::ofstream(path("text")) << "one\ntwo\n";
@@ -211,7 +213,7 @@ TEST_F(EnsembleParts, AreRefusedByName) {
   expect_refused({"0", "1", "2"}, path("2") + " is truncated");
   expect_refused({"0", "1", "2", "none"}, path("none") + " cannot be read: No such file");
   expect_refused({"0", "1", "2", "none"}, path("2") + " is truncated");  // each is named at once
-  expect_refused({"half", "0", "1"}, path("half") + " is a part of another ensemble than " + path("0"));
+  expect_refused({"half", "0", "1"}, path("half") + " is one of 2 shards");
   EXPECT_TRUE(std::filesystem::exists(path("0"))) << "what is good is kept";
   for (const char* shard : {"17/16", "16/16", "-1/4", "1", "a/b", "1/2x", " 1/2", "+1/2"})
     EXPECT_NE(part(orbits, shard, "x").body.find("must be I/N"), std::string::npos) << shard;

@@ -1,4 +1,5 @@
-// Counts what this thread allocates, through the global operator new (allocations.cpp, in the law tests).
+// allocations() counts the allocations of this thread, through the global operator new and malloc (allocations.cpp, in
+// the law tests).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Bodies that attract each other by 1/√(r² + .01)/n, moved by a loop over pairs: what scenes of many bodies are held
-// against.
+// Bodies that attract each other with the softened potential −1/(n √(r² + .01)), moved by a plain loop over pairs: the
+// reference against which scenes of many bodies are checked.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace bodies {
 
-/// Places axis by axis, and momenta likewise, of n bodies of mass 1.
+/// State holds the positions q and momenta p of n bodies of mass 1, axis by axis: q[a n + i] is coordinate a of body i.
 struct State {
   std::size_t n;
   std::vector<double> q, p;
@@ -39,7 +39,7 @@ inline void kick(State& x, double by) {
     }
   for (std::size_t i = 0; i < x.p.size(); ++i) x.p[i] += by * force[i];
 }
-/// Steps of leapfrog, kick first.
+/// leapfrog() makes `steps` steps of length h, each kick, drift, kick.
 inline void leapfrog(State& x, double h, int steps) {
   for (int step = 0; step < steps; ++step) {
     kick(x, h / 2);

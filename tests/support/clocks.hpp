@@ -1,4 +1,4 @@
-// Runs of schemes that set their own clock, and what their orbits are measured by.
+// Runs of schemes that choose their own steps, and measures of the orbits they give.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,18 +20,18 @@ using namespace least::problems;
 template <class P, class T>
 using Moving = State<P::dof, T, T>;
 
-/// K + V at x: the level of a run that begins there.
+/// level_of() returns K + V at x, the energy level of a run that begins there.
 template <class P, class X>
 auto level_of(const P& problem, const X& x) {
   return mechanical_energy(problem, x.q, x.p, phase(problem, x.t));
 }
-/// A stepper with the level of the state x.
+/// bound() returns a stepper of the scheme for the energy level of the state x.
 template <class Scheme, class P, class X>
 auto bound(const Scheme& scheme, const P& problem, const X& x) {
   return scheme.bind(problem, x, energy_level(scheme, problem, x));
 }
 
-/// How far n steps come; `look(x)` after each.
+/// steps() makes n steps, calls `look(x)` after each and returns how many succeeded: n, or fewer where a step failed.
 template <class Stepper, class X, class Look>
 int steps(Stepper& stepper, X& x, int n, Look&& look) {
   for (int k = 0; k < n; ++k) {
@@ -45,7 +45,7 @@ int steps(Stepper& stepper, X& x, int n) {
   return steps(stepper, x, n, [](const X&) {});
 }
 
-/// Whole steps while x.t is before t, with `look(x)` after each; false where one fails.
+/// past() makes whole steps while x.t < t and calls `look(x)` after each; it returns false where a step failed.
 template <class Stepper, class X, class Look>
 bool past(Stepper& stepper, X& x, const typename X::Time& t, Look&& look) {
   while (x.t < t) {
@@ -55,7 +55,8 @@ bool past(Stepper& stepper, X& x, const typename X::Time& t, Look&& look) {
   return true;
 }
 
-/// Whole steps as long as they stay before t, then `finish(stepper, x)` from the last of them.
+/// until() makes whole steps as long as they end before t, and returns `finish(stepper, x)`, called at the last of
+/// them.
 template <class Stepper, class X, class Finish>
 StepStatus until(Stepper& stepper, X& x, const typename X::Time& t, Finish&& finish) {
   for (;;) {
@@ -78,9 +79,9 @@ X reversed(X x) {
   return x;
 }
 
-/// The larger of both; what is not a number stays.
+/// larger() returns the larger of both; once one of them is NaN, the result is and stays NaN.
 inline double larger(double most, double x) { return most >= x ? most : (std::isnan(most) ? most : x); }
-/// The largest difference of components, t left out.
+/// distance() returns the largest difference of components, time left out.
 template <class X, class Y>
 double distance(const X& a, const Y& b) {
   double most = 0;
@@ -88,22 +89,23 @@ double distance(const X& a, const Y& b) {
   return most;
 }
 
-/// The paper's orbit, and its period.
+/// The initial state of the paper's Kepler orbit; `paper_period` is the period.
 inline constexpr State<2> paper{0, {0, -4}, {-0.1, -0.1}, {}};
-/// A setting that is off.
+/// The value of a setting that is switched off.
 inline constexpr double off = std::numeric_limits<double>::quiet_NaN();
-/// Of the double pendulum.
+/// An initial state of the double pendulum.
 inline const State<2> swing{0, {1, 0.5}, {0.3, -0.2}, {}};
 inline constexpr double paper_period = 18.893743377439769;
 
-/// What a run on a Kepler orbit lost of it.
+/// Loss holds the largest errors of a run on a Kepler orbit, and what the run cost.
 struct Loss {
   int steps = 0;
   std::int64_t forces = 0;
   double position = 0;                         ///< max over steps of |q − q(t)|
   double energy = 0, momentum = 0, apsis = 0;  ///< max |ΔH|, max |ΔL|, rotation of the Laplace–Runge–Lenz vector
 };
-/// Over `span`, against the closed form in long double; the position only where `compare`.
+/// orbit_loss() runs the scheme over `span` and measures its errors at every step; the position, against the closed
+/// form in long double, only where `compare`.
 template <class Scheme>
 Loss orbit_loss(const Scheme& scheme, const State<2>& start, double span, bool compare = true) {
   const Kepler<> kepler;
@@ -129,7 +131,7 @@ Loss orbit_loss(const Scheme& scheme, const State<2>& start, double span, bool c
   return loss;
 }
 
-/// Slope of log error by log setting, by least squares.
+/// slope() returns the slope of log error against log setting, by least squares.
 inline double slope(const std::vector<std::pair<double, double>>& points) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (const auto& [setting, error] : points) {
@@ -139,7 +141,8 @@ inline double slope(const std::vector<std::pair<double, double>>& points) {
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-/// Derivatives of a step's (q, p) by those it began with, the energy level held fixed.
+/// tangent_at_level() returns the derivatives of (q, p) after a step by (q, p) before it, the energy level held fixed;
+/// nothing where the step fails.
 template <class Scheme, class P>
 std::optional<Mat<2 * P::dof>> tangent_at_level(const Scheme& scheme, const P& problem, const State<P::dof>& x,
                                                 double level) {

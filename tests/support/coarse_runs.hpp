@@ -1,5 +1,5 @@
-// Random scenes under random schemes at coarse settings, and whether what their runs say of themselves is true: drawn
-// over the whole catalogue, the k-th always the same.
+// Random scenes under random schemes at coarse settings, drawn from the whole catalogue (the k-th is always the same),
+// and checks whether the warnings of their runs are right.
 #pragma once
 
 #include <cmath>
@@ -27,7 +27,7 @@ class Draw {
   std::mt19937_64 bits_;
 };
 
-/// With its motion at 64 times, a control run, and bounds.
+/// watched() makes the request record its motion at 65 times, with a control run and limits.
 inline Request watched(Request request) {
   const double start = runs::scene(request).start;
   std::vector<double> times;
@@ -42,8 +42,8 @@ inline Request watched(Request request) {
   return request;
 }
 
-/// A number of parameters and start values up to twice or half their default, a tenth to all of the span, and steps up
-/// to 64 times as long as the catalogue suggests.
+/// request() draws the k-th request: some parameters between half and twice their default, start values up to half off,
+/// a tenth to all of the span, steps up to 64 times as long as the catalogue suggests.
 inline Request request(std::uint64_t k) {
   Draw draw(k);
   const auto& cards = runs::problem_cards();
@@ -79,19 +79,20 @@ inline Request request(std::uint64_t k) {
 }
 
 struct Verdict {
-  bool known = false;  ///< there is a truth to hold it against
+  bool known = false;  ///< two control runs agree, so that the error is known
   bool completed = false;
   double error = NAN;    ///< the largest along the run
-  std::string warnings;  ///< their codes
+  std::string warnings;  ///< their codes, separated by spaces
 };
 
-/// What both of two schemes say of a scene, at 1e-13.
+/// Controls holds the runs of a scene by two schemes at the tolerance 1e-13.
 struct Controls {
   runs::Result truth;  ///< by Bulirsch and Stoer
   runs::Result other;  ///< by Dormand and Prince
 };
 
-/// The controls of the request's scene at its times. They are kept: the schemes of a scene share them.
+/// controls_of() returns the control runs of the request's scene at its recorded times. It caches them, because many
+/// schemes share a scene.
 inline const Controls& controls_of(const Request& request) {
   static std::map<std::string, Controls> known;
   std::string key = runs::card(request).id;
@@ -114,7 +115,8 @@ inline const Controls& controls_of(const Request& request) {
   return known.emplace(key, Controls{run("bulirsch_stoer"), run("dormand_prince_5")}).first->second;
 }
 
-/// The truth is that of the first control; known as far as the other agrees.
+/// judge() measures the error of a run against the first control; it is known where the other control agrees within
+/// 1e-3.
 inline Verdict judge(const Request& request) {
   Verdict verdict;
   const auto largest = [](const runs::Result& a, const runs::Result& b) {
@@ -136,10 +138,11 @@ inline Verdict judge(const Request& request) {
 
 struct Count {
   int runs = 0, completed = 0, wrong = 0, silent = 0, right = 0, alarmed = 0;
-  std::map<std::string, int> by_scheme;  ///< silent
+  std::map<std::string, int> by_scheme;  ///< the number of `silent` runs of each scheme
 };
 
-/// The first `count` of them; what is wrong and silent, and right and warned of, is told on the standard error.
+/// sample() judges the first `count` requests. It prints runs that are wrong without a warning, or right with one, to
+/// the standard error.
 inline Count sample(std::uint64_t count) {
   Count all;
   for (std::uint64_t k = 0; k < count; ++k) {

@@ -30,7 +30,7 @@ inline std::vector<const nlohmann::json*> orbits(std::string_view problem) {
   return found;
 }
 
-/// The defaults but for the step and, where it is not empty, the composition.
+/// request_for() returns the defaults with this step and, where it is not empty, this composition.
 inline least::Request request_for(std::string_view problem, std::string_view scheme, std::string_view composition,
                                   double step) {
   least::Request request = runs::defaults(problem, scheme);

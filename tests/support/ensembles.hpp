@@ -13,14 +13,14 @@
 
 namespace test {
 
-/// A problem by a scheme up to the time `end`, everything else by default; no members yet. Where the problem is left
-/// out of this build the test is skipped.
+/// ensemble_of() plans runs of a problem by a scheme up to the time `end`, with defaults otherwise and no members yet.
+/// It skips the test where the problem is left out of this build.
 inline least::EnsemblePlan ensemble_of(std::string_view problem, std::string_view scheme, double end) {
   runs::problem_called(problem);
   least::EnsemblePlan plan;
   plan.request = least::default_request(problem, scheme);
   plan.request.end = end;
-  plan.request.limits.seconds = 1e9;  // how fast the machine is, is no matter of what members do
+  plan.request.limits.seconds = 1e9;  // so that results do not depend on how fast the machine is
   plan.request.diagnostics.clear();
   return plan;
 }
@@ -29,7 +29,7 @@ inline void set_members(least::EnsemblePlan& plan, std::int64_t count, std::vect
   plan.first = 0;
   plan.last = count;
 }
-/// A setting of the scheme by its name.
+/// setting() returns a setting of the plan's scheme by its name; it throws std::out_of_range where there is none.
 inline double& setting(least::EnsemblePlan& plan, std::string_view name) {
   const auto at = least::schemes()[plan.request.scheme].find(name);
   if (!at) throw std::out_of_range(std::string(name));
@@ -44,7 +44,7 @@ inline void set_columns(least::EnsemblePlan& plan, std::initializer_list<std::st
     plan.request.columns.push_back(static_cast<std::size_t>(found - columns.begin()));
   }
 }
-/// The section where the expression vanishes, upwards (1), downwards (−1) or both (0).
+/// set_plane() asks for the section expression = 0, crossed upwards (1), downwards (−1) or both ways (0).
 inline void set_plane(least::EnsemblePlan& plan, const std::string& expression, int direction) {
   least::MeasureReader reader(*plan.request.scene);
   if (const auto fault = reader.read("section", expression)) throw std::invalid_argument(fault->detail);
@@ -52,7 +52,8 @@ inline void set_plane(least::EnsemblePlan& plan, const std::string& expression, 
   plan.request.events = {{direction, false}};
   plan.request.section = least::Section{true};
 }
-/// Starts about the card's own, up to a time that is no whole number of steps away.
+/// about_start() plans `count` members whose starts are spread about the card's own, over `steps` steps, which need not
+/// be a whole number.
 inline least::EnsemblePlan about_start(const std::string& problem, std::size_t scheme, std::int64_t count,
                                        double steps) {
   least::EnsemblePlan plan = ensemble_of(problem, least::schemes()[scheme].id, 1);
@@ -70,13 +71,14 @@ inline least::EnsemblePlan about_start(const std::string& problem, std::size_t s
   set_members(plan, count, vary);
   return plan;
 }
-/// All the compositions that the scheme has, by their position, with that of the recommended one among them.
+/// compositions_of() returns the positions of some compositions of the scheme, the recommended one among them; {0}
+/// where the scheme has none.
 inline std::vector<double> compositions_of(const least::SchemeCard& scheme) {
   if (!scheme.find("composition")) return {0};
   return {0, 1, 4, 8};
 }
 
-/// f(plan of a pair, its name) for every pair that can run ensembles.
+/// for_each_pair() calls f(plan, name) for every pair of problem and scheme whose ensembles run in lanes.
 template <class F>
 void for_each_pair(F&& f) {
   for (const auto& problem : least::problem_list())
@@ -92,7 +94,8 @@ void for_each_pair(F&& f) {
     }
 }
 
-/// The members of the plan as one block, by a unit of lanes; nothing where it cannot.
+/// in_lanes() runs the members of the plan as one block, several at a time in the lanes of `unit`; it returns nothing
+/// where these members cannot run in lanes.
 inline std::optional<least::Harvest> in_lanes(const least::EnsemblePlan& plan, const least::LaneUnit& unit) {
   const std::atomic<bool> never{false};
   const least::MemberColumns columns(plan.request, plan.members.vary);
@@ -100,14 +103,14 @@ inline std::optional<least::Harvest> in_lanes(const least::EnsemblePlan& plan, c
   if (!least::run_lane_members(plan, columns, block, never, unit)) return std::nullopt;
   return block.harvest;
 }
-/// The same, each by a run of its own.
+/// alone() runs the same members, each by a run of its own.
 inline least::Harvest alone(const least::EnsemblePlan& plan) {
   const std::atomic<bool> never{false};
   least::Block block{0, plan.first, plan.last - plan.first, {}};
   least::run_lone_members(plan, {plan.request, plan.members.vary}, block, never);
   return block.harvest;
 }
-/// All of it, as one machine with so many threads has it.
+/// harvest_of() runs the whole plan with so many threads; it throws where the ensemble does not complete.
 inline least::Harvest harvest_of(const least::EnsemblePlan& plan, unsigned threads = 1) {
   const std::atomic<bool> never{false};
   least::Harvest all;

@@ -25,7 +25,7 @@ inline Definition double_pendulum() {
               "c*(vb - va)^2/2");
 }
 
-/// From a state, coordinates and momenta; nothing but the end is kept.
+/// asked() requests a run from `start`, coordinates and then momenta, that keeps only its final state.
 inline Request asked(const std::shared_ptr<const Mechanics>& mechanics, std::string_view scheme,
                      std::vector<double> start, double end) {
   Request request = typed_as(runs::defaults("kepler", scheme), mechanics);
@@ -50,7 +50,7 @@ inline End run(Request request) {
   return {outcome.final, runs::number(said, "energy/work"), runs::number(said, "energy/max_abs_error"),
           runs::number(said, "energy/final"), runs::number(said, "energy/initial")};
 }
-/// With steps of this length, by a composition where one is named.
+/// run() makes the run with steps of this length, and with the composition where it is not empty.
 inline End run(Request request, double step, std::string_view composition) {
   runs::set(request, "step", step);
   if (!composition.empty()) runs::set(request, "composition", composition);

@@ -1,13 +1,13 @@
-// Between two states in any number: quintic Hermite interpolation, from the equations of motion and their derivative
-// along the motion. The core interpolates in double alone; laws of clocks are measured in long double. Source: Hairer,
-// Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6.
+// Quintic Hermite interpolation between two states, in any number type, from the equations of motion and their
+// derivative along the motion. The core interpolates in double alone; laws of clocks are measured in long double.
+// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6.
 #pragma once
 
 #include "core/equations.hpp"
 
 namespace least {
 
-/// ẏ and ÿ at x: the second by differentiating the equations of motion along themselves.
+/// Rates holds ẏ and ÿ at x; ÿ is the derivative of the equations of motion along the motion.
 template <VectorField P, class X>
 struct Rates {
   X first, second;
@@ -22,8 +22,9 @@ struct Rates {
   }
 };
 
-/// Between `a` and `b`: the polynomial of degree 5 that meets values, first and second derivatives at both ends. Error
-/// O(h⁶). Four evaluations of the equations of motion, two of them with a derivative, whatever the number of times.
+/// QuinticPath is the polynomial of degree 5 that has the values, first and second derivatives of `a` and `b` at both
+/// ends. Error O(h⁶). It evaluates the equations of motion four times, two of them with a derivative, however many
+/// times it is read.
 template <VectorField P, class X>
 class QuinticPath {
  public:
@@ -33,7 +34,7 @@ class QuinticPath {
   X operator()(const typename X::Time& t) const {
     using S = typename X::Time;
     const S h = b_.t - a_.t, u = (t - a_.t) / h, w = 1 - u;
-    // The basis in u and in 1 − u: each vanishes with its derivatives at the other end.
+    // The basis in u and in w = 1 − u: each function vanishes with its first two derivatives at the other end.
     const S w3 = w * w * w, u3 = u * u * u;
     const S a0 = w3 * (1 + 3 * u + 6 * u * u), a1 = w3 * (u + 3 * u * u) * h, a2 = w3 * u * u * 0.5 * h * h;
     const S b0 = u3 * (1 + 3 * w + 6 * w * w), b1 = -u3 * (w + 3 * w * w) * h, b2 = u3 * w * w * 0.5 * h * h;

@@ -1,5 +1,6 @@
 // A toy lane number: four doubles that move together. It has no conversion to bool and lives outside namespace least,
-// so that a problem or scheme which branches on a number, or reaches past argument-dependent lookup, does not compile.
+// so that a problem or scheme that branches on a number, or does not find its functions by argument-dependent lookup,
+// does not compile.
 #pragma once
 
 #include <array>
@@ -123,7 +124,7 @@ inline Lanes abs(const Lanes& a) {
   return map(a, [](double x) { return std::fabs(x); });
 }
 
-/// A status for each lane.
+/// Statuses holds the status of each lane.
 struct Statuses {
   std::array<least::StepStatus, width> of{};
   Statuses(least::StepStatus all) { of.fill(all); }  // NOLINT: one for all
@@ -141,7 +142,7 @@ inline bool all_failed(Statuses& status, const Mask& where, least::StepStatus wh
   }
   return all;
 }
-/// What does not depend on the lane fails all of them.
+/// all_failed() with one condition for all lanes: where it holds, every lane that is still ok fails with `why`.
 inline bool all_failed(Statuses& status, bool where, least::StepStatus why) {
   Mask all;
   all.on.fill(where);

@@ -1,4 +1,4 @@
-// Scenes with terms linear in the momenta, or not linear in s: what lifted_splitting is for.
+// Scenes with terms that are linear in the momenta, or not linear in s, for lifted_splitting.
 #pragma once
 
 #include "tests/support/steps_of_text.hpp"
@@ -11,26 +11,27 @@ inline constexpr auto lagrangian = Definition::Kind::lagrangian, hamiltonian = D
 struct Scene {
   const char* name;
   Definition definition;
-  std::vector<double> start;  ///< q, p, and s where the motion reads it
+  std::vector<double> start;  ///< q, p, and s where the equations of motion depend on it
   bool exact = false;         ///< the lifted motion is linear
 };
 
-/// The restricted problem of three bodies in the frame that turns with two, of masses 1 − mu and mu.
+/// restricted_three_bodies() is the restricted three-body problem in the frame that turns with the primaries, whose
+/// masses are 1 − mu and mu.
 inline Definition restricted_three_bodies() {
   return of(hamiltonian, {"x", "y"}, {{"mu", 0.012277471}},
             "(px^2 + py^2)/2 + y*px - x*py - (1-mu)/sqrt((x+mu)^2 + y^2) - mu/sqrt((x-1+mu)^2 + y^2)");
 }
-/// The same in space, with masses of which Howell's table of halo orbits has a row.
+/// The same in space, with a mass ratio that has a row in Howell's table of halo orbits.
 inline Definition restricted_three_bodies_in_space() {
   return of(hamiltonian, {"x", "y", "z"}, {{"mu", 0.04}},
             "(px^2 + py^2 + pz^2)/2 + y*px - x*py - (1-mu)/sqrt((x+mu)^2 + y^2 + z^2)"
             " - mu/sqrt((x-1+mu)^2 + y^2 + z^2)");
 }
-/// A charge in the field of a magnetic dipole m along z, by its vector potential.
+/// A charge in the field of a magnetic dipole m along z, given by its vector potential.
 inline Definition charge_in_a_dipole() {
   return of(lagrangian, {"x", "y", "z"}, {{"m", 1}}, "(vx^2 + vy^2 + vz^2)/2 + m*(x*vy - y*vx)/(x^2 + y^2 + z^2)^1.5");
 }
-/// And in a uniform one, b along z, with a potential in the plane.
+/// A charge in a uniform magnetic field b along z, with a potential in the plane.
 inline Definition charge_in_a_uniform_field() {
   return of(hamiltonian, {"x", "y"}, {{"b", 2}, {"e", 0.1}}, "((px + b*y/2)^2 + (py - b*x/2)^2)/2 - e*x + x^4/20");
 }
@@ -42,17 +43,17 @@ inline Definition foucaults_pendulum() {
 inline Definition contact_prototype() {
   return of(hamiltonian, {"q"}, {}, "p^2/2 + 1 - cos(q) + 0.3*p*s*sin(q) + 0.2*s + 0.1*s^2*cos(q)");
 }
-/// Masses that are not diagonal, a field that turns and damps, a drive.
+/// A kinetic matrix that is not diagonal, a rotating frame, damping that depends on x, and a drive.
 inline Definition driven() {
   return of(hamiltonian, {"x", "y"}, {{"c", 0.2}},
             "px^2/2 + py^2 + px*py/3 + (x^2 + y^2)/2 + 0.3*(y*px - x*py)*cos(t) + c*s*(1 + x^2/5) - 0.1*x*sin(2*t)");
 }
-/// A frame that turns and is shaken: linear, but not with constant coefficients.
+/// A frame that turns and is shaken: its lifted motion is linear, but with coefficients that depend on time.
 inline Definition shaken_frame() {
   return of(hamiltonian, {"x", "y"}, {{"omega", 0.5}},
             "(px^2 + py^2)/2 + omega*(y*px - x*py) + 0.4*px*cos(2*t) + x^4/4 + y^2/2");
 }
-/// Van der Pol's oscillator as ẋ = X alone: nothing is split.
+/// Van der Pol's oscillator as H = p·X(q), which is ẋ = X(q): there is no other part to split off.
 inline Definition van_der_pol() {
   return of(hamiltonian, {"x", "v"}, {{"epsilon", 1}}, "px*v + pv*(epsilon*(1 - x^2)*v - x)");
 }
@@ -68,7 +69,7 @@ inline std::vector<Scene> scenes() {
           {"van_der_pol", van_der_pol(), {1, 0.2, 0.3, 0.2}}};
 }
 
-/// Steps of one length of a scene from its start to the time `end`.
+/// request_of() requests steps of one length from the scene's start to the time `end`; only the final state is kept.
 inline Request request_of(const Scene& scene, const std::shared_ptr<const Mechanics>& mechanics, double step,
                           double end, const char* scheme = "lifted_splitting") {
   Request request = typed_as(runs::defaults("damped_oscillator", scheme), mechanics);
@@ -83,7 +84,7 @@ inline Request composed(Request request, const char* composition, const char* li
   runs::set(request, "lift", lift);
   return request;
 }
-/// The components of a final state that the motion has.
+/// end_of() returns the final state without hidden variables; it throws where the run does not complete.
 inline std::vector<double> end_of(const Request& request) {
   const auto outcome = runs::go(request).outcome;
   if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail.text());

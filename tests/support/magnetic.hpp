@@ -1,4 +1,4 @@
-// Charges in magnetic fields, as text.
+// Charges in magnetic fields, and rotating frames, as text.
 #pragma once
 
 #include "tests/support/steps_of_text.hpp"
@@ -12,20 +12,21 @@ struct Scene {
   const char* name;
   Definition definition;
   std::vector<double> start;  ///< q, p
-  double step;                ///< at which order 2 is seen
+  double step;                ///< a step at which the errors show order 2
 };
 
-/// A dipole and a uniform field along its axis.
+/// A charge in the field of a dipole and of a uniform field along its axis.
 inline Definition bottle() {
   return of(lagrangian, {"x", "y", "z"}, {{"M", 1}, {"B", 1}},
             "(vx^2 + vy^2 + vz^2)/2 + (x*vy - y*vx)*(M/(x^2+y^2+z^2)^1.5 + B/2)");
 }
-/// A field that changes along x, masses of two kinds and a potential, as a Hamiltonian that was multiplied out.
+/// A field that changes along x, two different masses and a potential, as a Hamiltonian whose squares are multiplied
+/// out.
 inline Definition plane() {
   return of(hamiltonian, {"x", "y"}, {{"m", 2}, {"b", 1.5}},
             "px^2/(2*m) + py^2/(2*(m+1)) - py*(b*x + x^3/5)/(m+1) + (b*x + x^3/5)^2/(2*(m+1)) + x^2/3 + cos(y)");
 }
-/// Three charges of different masses in space: nine coordinates, for which no class is compiled.
+/// Three charges of different masses in space: nine coordinates, more than any compiled class has.
 inline Definition three() {
   Definition d = of(lagrangian, {}, {{"b", 0.8}}, "");
   const char* masses[] = {"1", "2", "1.5"};

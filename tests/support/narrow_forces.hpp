@@ -1,5 +1,5 @@
-// Random scenes whose forces are narrow: pulses in time, bumps in space, switches in velocity, of widths from a half to
-// a thousandth of the span; with the right end of the motion from a quadrature, or from fine runs of another kind.
+// Random scenes whose forces are narrow: pulses in time, bumps in space, switches in velocity, with widths from a half
+// to a thousandth of the span. The true end of the motion is from a quadrature, or from fine runs of another scheme.
 #pragma once
 
 #include <algorithm>
@@ -24,13 +24,13 @@ inline std::string_view name(Family family) {
                                    : "switches in velocity";
 }
 
-/// A scene, asked of any scheme that fits; `right` is the first variable at the end.
+/// Case is a scene that any scheme that fits may run; `right` is the true value of the first variable at the end.
 struct Case {
   Definition definition;
   std::array<double, 2> start;  ///< of the first variable and its momentum or rate
   double end;
   double right;
-  double fine = 0;  ///< a step that is short against its narrowest force
+  double fine = 0;  ///< a step that is short against the narrowest force
 
   std::string text() const {
     return definition.formula + (definition.equations.empty() ? "" : definition.equations.back().second) + " from " +
@@ -48,13 +48,13 @@ inline Request ask(const Case& one, std::string_view scheme) {
   return request;
 }
 
-/// A shape of width w about a, as text and as a function.
+/// Shape is a function of width w about a, as text and as C++.
 struct Shape {
   std::string text;
   std::function<double(double)> at;
 };
 inline std::string text_of(double x) { return "(" + std::to_string(x) + ")"; }
-/// As many digits as the text has.
+/// rounded() returns x with as many digits as text_of() writes.
 inline double rounded(double x) { return std::stod(std::to_string(x)); }
 inline Shape shape(std::mt19937& random, std::string variable, double a, double w) {
   const std::string z = "((" + variable + "-" + text_of(a) + ")/" + text_of(w) + ")";
@@ -77,7 +77,7 @@ inline Shape shape(std::mt19937& random, std::string variable, double a, double 
   }
 }
 
-/// ∫ f from 0 to `end`, in panels that are short about a: Gauss's formula of five points in each.
+/// integral() returns ∫ f dt from 0 to `end` by Gauss's formula of five points in panels that are short near a.
 inline double integral(const std::function<double(double)>& f, double end, double a, double w) {
   constexpr double node[] = {0, 0.5384693101056831, 0.9061798459386640};
   constexpr double weight[] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
@@ -93,7 +93,7 @@ inline double integral(const std::function<double(double)>& f, double end, doubl
   return sum;
 }
 
-/// ẍ = −x or 0, and a pulse.
+/// pulse() draws ẍ = −x or ẍ = 0 with a pulse in time as a force; its end is known from a quadrature.
 inline Case pulse(std::mt19937& random) {
   const auto between = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
   const double end = rounded(between(5, 40)), w = rounded(end * std::pow(10, between(-3, -0.3)));
@@ -110,7 +110,7 @@ inline Case pulse(std::mt19937& random) {
           end,
           pushed + (bound ? x0 * std::cos(end) + p0 * std::sin(end) : x0 + p0 * end)};
 }
-/// Free or bound, with a bump, a well or a step on the way.
+/// bump() draws a free or bound particle that meets a narrow bump, well or step of the potential.
 inline Case bump(std::mt19937& random) {
   const auto between = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
   const bool bound = random() % 2 == 0;
@@ -125,7 +125,7 @@ inline Case bump(std::mt19937& random) {
           0,
           std::clamp(w / (5 * std::sqrt(p0 * p0 + x0 * x0 + 2 * std::abs(height))), 4e-4, 0.02)};
 }
-/// An oscillator with friction that changes within a small velocity.
+/// velocity_switch() draws an oscillator with friction that changes within a narrow range of velocities.
 inline Case velocity_switch(std::mt19937& random) {
   const auto between = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
   const double steepness = std::pow(10, between(0, 2.7));
@@ -140,7 +140,8 @@ inline Case velocity_switch(std::mt19937& random) {
           std::min(0.1 / steepness, 2e-3)};
 }
 
-/// The end by runs of equal steps; not a number where they do not agree.
+/// fine_end() returns the first variable at the end by runs of equal steps; NaN where two step lengths do not agree
+/// within 1e-9.
 inline double fine_end(const Case& one, std::string_view scheme, double step) {
   const auto end = [&](double h) {
     Request request = ask(one, scheme);
@@ -153,7 +154,7 @@ inline double fine_end(const Case& one, std::string_view scheme, double step) {
   return std::abs(fine - coarse) < 1e-9 * std::max(1.0, std::abs(fine)) ? fine : std::nan("");
 }
 
-/// So many of a family; those whose end no fine run can tell are left out.
+/// draw() returns up to `count` cases of a family; it leaves out those whose end the fine runs cannot tell.
 inline std::vector<Case> draw(Family family, int count, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<Case> all;
@@ -168,13 +169,14 @@ inline std::vector<Case> draw(Family family, int count, unsigned seed) {
   return all;
 }
 
-/// How far a run that completed is from the right end, against max(1, |x|); NaN: it did not complete.
+/// error_of() returns the error of the first variable at the end, relative to max(1, |x|); NaN where the run did not
+/// complete.
 inline double error_of(const Case& one, const Solution& outcome) {
   if (outcome.stop.reason != ReturnCode::completed) return std::nan("");
   return std::abs(outcome.final.at(0) - one.right) / std::max(1.0, std::abs(one.right));
 }
 
-/// What runs of a family say of themselves; wrong: off by more than 1e4 tolerances.
+/// Count says how many runs are wrong (off by more than 1e4 tolerances), and whether their warnings say so.
 struct Count {
   int runs = 0, wrong = 0, silent = 0, alarmed = 0;  ///< silent: wrong without a warning; alarmed: right with one
   std::string first_wrong;

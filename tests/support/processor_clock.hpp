@@ -1,5 +1,5 @@
-// A clock that stands still while others have the processor: what a thread measures by it does not depend on what else
-// the machine does.
+// A clock that stands still while others have the processor, so that what a thread measures by it does not depend on
+// other work of the machine.
 #pragma once
 
 #include <ctime>
@@ -8,7 +8,7 @@
 
 namespace runs {
 
-/// While it lives, the core's clock counts the processor seconds of the thread that reads it.
+/// While a ProcessorClock lives, the core's clock counts the processor seconds of the thread that reads it.
 class ProcessorClock {
  public:
   ProcessorClock() {

@@ -1,4 +1,4 @@
-// A formula as text, read and evaluated at one place.
+// A formula that is read as text and evaluated at one point.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace reading {
 
 using namespace least;
 
-/// x, y and t are 1.25, 3 and 0.5.
+/// The values of x, y and t at the point where formulas are evaluated.
 inline constexpr double x_here = 1.25, y_here = 3, t_here = 0.5;
 
 struct ReadText {

@@ -1,5 +1,5 @@
-// Toda's lattice closed to a ring and held by springs, with friction or without, as a text of any size and as a problem
-// that is compiled.
+// Toda's lattice closed to a ring and held by springs, with friction or without, as a text of any size and as a
+// compiled problem.
 #pragma once
 
 #include <string>
@@ -13,15 +13,15 @@ namespace rings {
 
 using namespace sized;
 
-/// `timed`: it changes in time, and one place is driven.
+/// `timed`: the friction changes in time, and the first coordinate is driven.
 enum class Friction { none, constant, timed };
 constexpr Friction frictions[] = {Friction::none, Friction::constant, Friction::timed};
 constexpr double alpha = 0.3, spring = 0.4, coupling = 0.2;
 
 struct Variant {
-  bool coupled = false;    ///< momenta are, else masses are unequal
-  double held = spring;    ///< how strong springs are
-  double damping = alpha;  ///< of friction where there is some
+  bool coupled = false;    ///< the kinetic energy couples momenta; else masses are unequal
+  double held = spring;    ///< the strength of the springs
+  double damping = alpha;  ///< the strength of the friction where there is some
 };
 inline std::shared_ptr<const Mechanics> ring(int n, Friction friction, const Variant& variant = {}) {
   text::TypedScene typed;
@@ -41,7 +41,7 @@ inline std::shared_ptr<const Mechanics> ring(int n, Friction friction, const Var
   }
   return made(typed);
 }
-/// q, p, and s where there is friction.
+/// start() returns q, p, and s where there is friction.
 inline std::vector<double> start(int n, Friction friction) {
   std::vector<double> x;
   for (int i = 0; i < n; ++i) x.push_back(0.7 * std::sin(1 + 2.3 * i * i));
@@ -81,7 +81,7 @@ struct Ring {
   }
   template <class T>
   Vec<N, T> times_mass(const Vec<N, T>& v) const {
-    return v;  // explicit steps ask for none
+    return v;  // explicit steps never call it
   }
   double damping() const requires(friction == Friction::constant) { return alpha; }
   template <class S>
@@ -91,7 +91,7 @@ struct Ring {
   }
 };
 
-/// A list of the card's variables as a state of the problem that is compiled.
+/// state_of() converts a list of the card's variables to a state of the compiled problem.
 template <class X>
 X state_of(const std::vector<double>& numbers) {
   X x;

@@ -1,4 +1,4 @@
-// Requests with defaults filled in from the catalogue, and runs that collect what they give.
+// Requests with defaults filled in from the catalogue, and runs that collect their samples.
 #pragma once
 
 #include <algorithm>
@@ -35,8 +35,8 @@ inline const std::vector<least::ProblemCard>& problem_cards() {
   return cards;
 }
 
-/// One that exists and is left out of this build (LEAST_PROBLEMS) ends the test as skipped; one that does not exist
-/// throws.
+/// problem_called() returns the problem with this id. It ends the test as skipped where the problem exists but is left
+/// out of this build (LEAST_PROBLEMS), and throws where there is no such problem.
 inline std::shared_ptr<const least::Mechanics> problem_called(std::string_view id) {
 #ifdef LEAST_LEFT_OUT
   using namespace std::string_literals;
@@ -57,7 +57,7 @@ inline bool fits(std::string_view problem, std::string_view scheme) {
   return fits(problem_card(problem), least::find_scheme(scheme).value());
 }
 
-/// The request's scene, to be changed: a copy that nobody else has seen yet takes its place.
+/// scene() replaces the request's scene by a copy and returns it to be changed; other requests keep the old one.
 inline least::Scene& scene(least::Request& request) {
   auto copy = std::make_shared<least::Scene>(*request.scene);
   request.scene = copy;
@@ -65,7 +65,8 @@ inline least::Scene& scene(least::Request& request) {
 }
 inline const least::Scene& scene(const least::Request& request) { return *request.scene; }
 
-/// Every default from the cards, columns t and the variables, no diagnostics, every step kept.
+/// defaults() returns a request with every default from the cards: columns t and the variables, every step kept; but no
+/// diagnostics.
 inline least::Request defaults(std::string_view problem, std::string_view scheme) {
   problem_called(problem);  // where it is left out, the test is skipped
   least::Request request = least::default_request(problem, scheme);
@@ -83,12 +84,12 @@ inline Result go(const least::Request& request) {
   return result;
 }
 
-/// Takes out what a run did not carry.
+/// drop_unknown() removes the NaNs, which stand for variables that a run did not carry.
 inline void drop_unknown(std::vector<double>& numbers) {
   std::erase_if(numbers, [](double x) { return std::isnan(x); });
 }
 
-/// Position of an element called `name`; throws where there is none.
+/// position() returns the position of the element called `name`; it throws std::out_of_range where there is none.
 template <class Named, class Name>
 std::size_t position(const Named& all, std::string_view name, Name&& name_of) {
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -97,14 +98,15 @@ std::size_t position(const Named& all, std::string_view name, Name&& name_of) {
 }
 inline const least::ProblemCard& card(const least::Request& request) { return request.scene->card(); }
 
-/// The state of the scene's regular motion at a time after its singular start; empty where there is none.
+/// regular_start() returns the state of the scene's regular motion at a time t after its singular start; nothing where
+/// there is none.
 inline std::optional<std::vector<double>> regular_start(const least::Request& request, double t) {
   const auto regular = request.scene->mechanics->regular_start(request.scene->parameters, t);
   if (!regular || !regular->objection.empty()) return std::nullopt;
   return regular->state;
 }
 
-/// A parameter of the problem or a setting of the scheme, by name.
+/// set() sets a parameter of the problem or a setting of the scheme by its name.
 inline void set(least::Request& request, std::string_view name, double value) {
   const auto name_of = [](const auto& p) { return p.name; };
   const auto& parameters = card(request).parameters;
@@ -113,7 +115,7 @@ inline void set(least::Request& request, std::string_view name, double value) {
   else
     request.settings[position(least::schemes()[request.scheme].parameters, name, name_of)] = value;
 }
-/// The same for a choice.
+/// set() sets a choice among named alternatives.
 inline void set(least::Request& request, std::string_view name, std::string_view choice) {
   const auto look = [&](const auto& parameters) {
     for (const auto& p : parameters)
@@ -123,31 +125,31 @@ inline void set(least::Request& request, std::string_view name, std::string_view
   if (!look(card(request).parameters) && !look(least::schemes()[request.scheme].parameters))
     throw std::out_of_range(std::string(name));
 }
-/// The start value of a variable, by name; `t` is the time.
+/// begin() sets the start value of a variable by its name; `t` is the time.
 inline void begin(least::Request& request, std::string_view name, double value) {
   if (name == "t")
     scene(request).start = value;
   else
     scene(request).initial[position(card(request).variables, name, [](const auto& v) { return v.name; })] = value;
 }
-/// A diagnostic, by name.
+/// ask() adds a diagnostic by its name.
 inline void ask(least::Request& request, std::string_view diagnostic) {
   request.diagnostics.push_back(position(card(request).diagnostics, diagnostic, [](const auto& d) { return d.name; }));
 }
-/// Columns t and every variable, also what the motion does not read.
+/// show_all() asks for columns t and every variable, also those that the equations of motion do not depend on.
 inline void show_all(least::Request& request) {
   request.columns.clear();
   for (std::size_t i = 0; i <= card(request).variables.size(); ++i) request.columns.push_back(i);
 }
-/// Nothing is kept but the final state.
+/// only_final() keeps nothing but the final state.
 inline void only_final(least::Request& request) { request.record = {least::Record::Mode::every, 0, {}}; }
-/// States at these times, the last of them the end.
+/// at_times() asks for the states at these times; the last of them is the end of the run.
 inline void at_times(least::Request& request, std::vector<double> times) {
   request.end = times.back();
   request.record = {least::Record::Mode::times, 1, std::move(times)};
 }
 
-/// A number of a report by its path, as "energy/max_abs_error"; throws where there is none.
+/// number() returns a number of a report by its path, such as "energy/max_abs_error"; it throws where there is none.
 inline double number(const std::vector<least::Report>& reports, std::string_view path) {
   const auto slash = path.find('/');
   for (const auto& report : reports)
@@ -158,7 +160,7 @@ inline double number(const std::vector<least::Report>& reports, std::string_view
   throw std::out_of_range(std::string(path));
 }
 
-/// A list of a report, as the times of "zeros".
+/// list() returns a list of a report, such as the times of "zeros"; it throws where there is none.
 inline const std::vector<double>& list(const std::vector<least::Report>& reports, std::string_view key) {
   for (const auto& report : reports)
     if (report.key == key) return std::get<std::vector<double>>(report.value);

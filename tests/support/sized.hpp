@@ -10,7 +10,7 @@ namespace sized {
 
 using namespace texts;
 
-/// Throws where the scene is wrong.
+/// made() returns the mechanics of a scene; it throws where the scene has a fault.
 inline std::shared_ptr<const Mechanics> made(text::TypedScene typed) {
   auto mechanics = custom_mechanics(std::move(typed));
   if (const auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&mechanics))
@@ -24,7 +24,7 @@ inline Request stepped(std::string_view scheme, const std::shared_ptr<const Mech
   if (*composition) runs::set(request, "composition", composition);
   return request;
 }
-/// The largest difference; infinite where a number is missing.
+/// distance() returns the largest difference of components; infinity where a component of `a` is not finite.
 inline double distance(const std::vector<double>& a, const std::vector<double>& b) {
   double most = 0;
   for (std::size_t i = 0; i < b.size(); ++i)

@@ -1,4 +1,4 @@
-// What is asked of the steps of every scheme on scenes as text: there and back, the energy, what a record changes.
+// Checks of the steps of every scheme on scenes as text: reversal, the energy, independence of what is recorded.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace texts {
 
-/// The largest difference of two states of one scene; infinite where they are of two.
+/// distance() returns the largest difference of components of two states; infinity where their sizes differ.
 inline double distance(const std::vector<double>& a, const std::vector<double>& b) {
   double most = a.size() == b.size() ? 0 : INFINITY;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::fmax(most, std::abs(a[i] - b[i]));
@@ -24,13 +24,14 @@ inline std::vector<double> parameters_of(const Definition& definition) {
   return parameters;
 }
 
-/// The largest relative error of the energy along a run.
+/// energy_error() returns the largest relative error of the energy along a run.
 inline double energy_error(Request request) {
   runs::ask(request, "energy");
   return runs::number(runs::go(request).outcome.diagnostics, "energy/max_rel_error");
 }
 
-/// Steps of the length h from the start, and as many back: how far the state came, and how far off it ends.
+/// there_and_back() makes `steps` steps of length h and as many back: `away` is how far the state came, `missed` how
+/// far from the start it ends.
 struct ThereAndBack {
   double away, missed;
 };
@@ -45,7 +46,7 @@ ThereAndBack there_and_back(Stepper stepper, const std::vector<double>& start, d
   return {away, distance(x, start)};
 }
 
-/// The final state of a run that keeps no other is that of runs that keep them all, or some between its steps.
+/// The final state must have the same bits whether a run keeps nothing else, every step, or samples between its steps.
 inline void expect_the_same_however_recorded(const Request& last) {
   Request all = last, some = last;
   all.record = {Record::Mode::every, 1, {}};

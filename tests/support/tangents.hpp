@@ -1,4 +1,4 @@
-// Tangents of steps whose scheme, problem and length are known at compile time, and what their maps keep.
+// Tangent maps of steps whose scheme, problem and length are known at compile time, and their defects of structure.
 #pragma once
 
 #include <array>

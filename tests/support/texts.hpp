@@ -1,4 +1,4 @@
-// Problems of the catalogue typed as text, and their requests.
+// Problems of the catalogue typed as text, and requests for them.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@ using namespace least;
 using text::Definition;
 
 struct Typed {
-  const char* id;  ///< of the catalogue
+  const char* id;  ///< of the problem in the catalogue
   Definition definition;
-  /// What the text calls the parameters of the catalogue's problem, in its order, is in `definition.parameters`.
+  /// `definition.parameters` has the parameters of the catalogue's problem in its order, under the names of the text.
 };
 inline std::string name_of(const Typed& typed) {
   constexpr const char* kinds[] = {"lagrangian", "hamiltonian", "potential", "equations"};
@@ -47,7 +47,7 @@ inline Definition flow(std::vector<std::string> variables, std::vector<std::pair
   return d;
 }
 
-/// Each way of saying them, by problem.
+/// all() returns every way of writing the problems as text, problem by problem.
 inline std::vector<Typed> all() {
   constexpr auto L = Definition::Kind::lagrangian, H = Definition::Kind::hamiltonian, V = Definition::Kind::potential;
   const double pi = 3.141592653589793;
@@ -83,7 +83,7 @@ inline std::vector<Typed> all() {
   };
 }
 
-/// Throws where the definition is wrong.
+/// mechanics_of() returns the mechanics of a definition; it throws where the definition has a fault.
 inline std::shared_ptr<const Mechanics> mechanics_of(const Definition& definition) {
   auto made = custom_mechanics(definition);
   if (const auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&made))
@@ -91,7 +91,7 @@ inline std::shared_ptr<const Mechanics> mechanics_of(const Definition& definitio
   return std::get<std::shared_ptr<const Mechanics>>(made);
 }
 
-/// The scene of a request, typed: the same parameters, the same start.
+/// typed_as() returns the request with its scene replaced by typed mechanics, which begins at the same start.
 inline Request typed_as(const Request& compiled, std::shared_ptr<const Mechanics> mechanics) {
   Request request = compiled;
   const ProblemCard &from = runs::card(compiled), &to = mechanics->card();
@@ -105,7 +105,7 @@ inline Request typed_as(const Request& compiled, std::shared_ptr<const Mechanics
   request.diagnostics.clear();
   return request;
 }
-/// From these values of the variables that are shown, in their order; what is left out is 0.
+/// begin_at() sets the start to these values of the variables that are not hidden, in their order; the rest are 0.
 inline void begin_at(Request& request, std::span<const double> start) {
   auto& initial = runs::scene(request).initial;
   std::ranges::fill(initial, 0);
@@ -114,7 +114,8 @@ inline void begin_at(Request& request, std::span<const double> start) {
     if (!variables[i].hidden) initial[i] = start[next++];
 }
 
-/// By a scheme with the settings of its card, to `end`; only the final state is kept.
+/// request_by() requests a run by a scheme with the defaults of its card, to the time `end`; only the final state is
+/// kept.
 inline Request request_by(std::string_view scheme, std::shared_ptr<const Mechanics> mechanics,
                           std::span<const double> start, double end) {
   Request request = typed_as(runs::defaults("kepler", "runge_kutta_4"), std::move(mechanics));
@@ -126,7 +127,7 @@ inline Request request_by(std::string_view scheme, std::shared_ptr<const Mechani
   runs::only_final(request);
   return request;
 }
-/// The variables that are shown, at the end of a run. Throws where it does not come so far.
+/// final_of() returns the variables that are not hidden at the end of a run; it throws where the run does not complete.
 inline std::vector<double> final_of(const Request& request) {
   const auto outcome = runs::go(request).outcome;
   if (outcome.stop.reason != ReturnCode::completed) throw std::runtime_error(outcome.stop.detail.text());

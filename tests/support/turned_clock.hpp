@@ -1,11 +1,11 @@
-// A clock that runs by being looked at: deadlines met at the same step on every machine.
+// A clock that advances by being read, so that deadlines are met at the same step on every machine.
 #pragma once
 
 #include "core/clock.hpp"
 
 namespace runs {
 
-/// While it lives, every look at the core's clock lets so many seconds pass.
+/// While a TurnedClock lives, every reading of the core's clock advances it by `tick` seconds.
 class TurnedClock {
  public:
   explicit TurnedClock(double tick) {

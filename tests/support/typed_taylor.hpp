@@ -1,4 +1,4 @@
-// `taylor` on states of a problem's own type, as tests of schemes have them.
+// `taylor` on states of a problem's own type, for tests that are templates on the scheme and the state.
 #pragma once
 
 #include "core/run/taylor_stepper.hpp"

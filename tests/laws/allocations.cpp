@@ -11,7 +11,7 @@ thread_local std::size_t count = 0;
 std::size_t counting::allocations() { return count; }
 
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
-// malloc belongs to the sanitizer: only operator new is counted.
+// With a sanitizer malloc is the sanitizer's own, so that only operator new is counted.
 void* operator new(std::size_t size) {
   ++count;
   if (void* p = std::malloc(size)) return p;
@@ -20,7 +20,7 @@ void* operator new(std::size_t size) {
 void operator delete(void* p) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 #else
-// Everything that allocates ends here, Eigen too.
+// Everything that allocates ends in these functions, Eigen's allocations too.
 extern "C" {
 void* __libc_malloc(std::size_t size);                           // NOLINT(bugprone-reserved-identifier)
 void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT(bugprone-reserved-identifier)

@@ -1,4 +1,4 @@
-// No step allocates, however large the system it solves: above 16 equations Eigen works in blocks.
+// No step allocates, however large the system it solves. Above 16 equations Eigen works in blocks.
 #include "tests/support/allocations.hpp"
 #include "tests/support/chains.hpp"
 

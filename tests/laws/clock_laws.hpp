@@ -1,4 +1,4 @@
-// Laws of the schemes that set their own clock, on a problem: order and reversal.
+// Laws of the schemes that choose their own steps, on a problem: order and reversal.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace laws {
 
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
-/// Time-transformed steps take conservative scenes, and damped ones with a constant metric.
+/// Transforms: TimeTransformed takes this problem. It takes conservative ones, and damped ones with a constant metric.
 template <class P>
 concept Transforms = SelfTimedSchemeFor<TimeTransformed, P>;
 
@@ -33,7 +33,7 @@ void for_each_clock(F&& f) {
     if constexpr (Separable<P<double>>)
       for (const Monitor monitor : {Monitor::arclength, Monitor::frequency}) f(AdaptiveVerlet{0.01, monitor}, 2);
     JacobiMaupertuis hybrid;
-    hybrid.alpha_max = never;  // with step control orders are those of no parameter
+    hybrid.alpha_max = never;  // with step control the error does not follow a step length
     for (const double critical : {never, 0.0})
       for (const Quadrature quadrature : {Quadrature::trapezoid, Quadrature::midpoint})
         for (hybrid.order = 2; hybrid.order <= 4; hybrid.order += 2) {
@@ -45,7 +45,8 @@ void for_each_clock(F&& f) {
   }
 }
 
-/// The fastest of the states: some scheme's coordinate is to move there.
+/// fast_state() returns the state with the largest kinetic energy, where the schemes that step in a coordinate can move
+/// it.
 template <template <class> class P>
 auto fast_state() {
   const P<double> problem;
@@ -57,7 +58,7 @@ auto fast_state() {
   return fastest;
 }
 
-/// The scheme with steps that take about the time h from x.
+/// resized() returns the scheme with its setting changed so that a step from x takes about the time h.
 template <class Scheme, class P, class X>
 Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
   const auto v = velocity(problem, x.q, x.p);
@@ -73,7 +74,8 @@ Scheme resized(Scheme scheme, const P& problem, const X& x, double h) {
   return scheme;
 }
 
-/// The state at the time t, from the step it lies in.
+/// arrive() advances x to the time t: whole steps, and then the stepper's own reach, or else interpolation, in the last
+/// one.
 template <class Scheme, class P, class X>
 StepStatus arrive(const Scheme& scheme, const P& problem, X& x, const typename X::Time& t) {
   auto stepper = clocks::bound(scheme, problem, x);
@@ -116,7 +118,8 @@ void clocks_have_their_order() {
         points.push_back({span / ladder, error});
       }
       ASSERT_GE(points.size(), 5U) << label(scheme) << order;
-      // Where in its last step the end lies differs from step to step, and so does its error: many points.
+      // The error depends on where in the last step the end lies, which differs from step length to step length: many
+      // points average that out.
       const std::size_t first = points.size() > 10 ? points.size() - 10 : 0;
       double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
       for (std::size_t i = first; i < points.size(); ++i) {
@@ -129,8 +132,8 @@ void clocks_have_their_order() {
   }
 }
 
-/// Some steps of a kernel and as many back along the parameter: the same for damped motion, which does not turn round
-/// with its momentum.
+/// goes_and_returns() makes three steps of a kernel along the parameter and three back. Unlike turning the momentum
+/// over, that returns damped motion, too.
 template <class Kernel, class X>
 void goes_and_returns(Kernel kernel, const X& start, double sigma, const std::string& what) {
   auto x = start;
@@ -144,8 +147,8 @@ void goes_and_returns(Kernel kernel, const X& start, double sigma, const std::st
   EXPECT_NEAR(x.t, start.t, 1e-13 * (1 + start.t)) << what;
 }
 
-/// Some steps, the momentum turned over, as many steps: back at the start for what says it is symmetric. What does not
-/// say so may be so at times: the hybrid returns until it switches.
+/// Some steps, the momentum turned over, as many steps: schemes that say they are symmetric come back to the start.
+/// Other schemes are not examined, because they may return at times: the hybrid does until it switches.
 template <template <class> class P>
 void symmetric_clocks_return() {
   if constexpr (Transforms<P<double>>) {

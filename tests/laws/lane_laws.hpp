@@ -1,4 +1,4 @@
-// Laws of numbers with lanes: several scenes that move together have the bits of each of them alone.
+// Laws of numbers with lanes: scenes that move together have the same bits as each of them alone.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace laws {
 
 using toy::Lanes;
 
-/// A scheme whose step does not treat lanes one by one, and why not.
+/// Because names a scheme whose step does not treat lanes one by one, and the reason.
 template <class S>
 struct Because {
   using Scheme = S;
@@ -44,20 +44,20 @@ inline constexpr bool is_exempt = std::apply(
     },
     exempt);
 
-/// The others, as a tuple.
+/// LaneSchemes is the tuple of the schemes that are not exempt.
 template <class... Scheme>
 auto without_exempt(std::tuple<Scheme...>*) -> decltype(std::tuple_cat(
     std::declval<std::conditional_t<is_exempt<Scheme>, std::tuple<>, std::tuple<Scheme>>>()...));
 using LaneSchemes = decltype(without_exempt(static_cast<SchemeList*>(nullptr)));
 
-/// The compiler's own opinion: the step of lanes of scenes says a status for each.
+/// MovesEachLane: the step of the scheme compiles for lanes of scenes and returns a status for each lane.
 template <class Scheme, template <class> class P>
 concept MovesEachLane = requires(StepperOf<Scheme, P<Lanes>, FullStateOf<P<double>, Lanes>> stepper,
                                  FullStateOf<P<double>, Lanes>& x) {
   { stepper.step(x, 0.1) } -> std::same_as<toy::Statuses>;
 };
 
-/// All lanes share one time, that of the first state.
+/// in_lanes() returns the states of the problem as lanes of one state. All lanes share the time of the first state.
 template <template <class> class P>
 auto in_lanes() {
   auto x = convert<Lanes, double>(states<P>()[0]);
@@ -98,7 +98,7 @@ void lanes_through_problem() {
   }
 }
 
-/// Scenes as one problem whose parameters are lanes; a choice is common to all.
+/// together() returns scenes as one problem whose parameters are lanes; a choice is common to all lanes.
 template <template <class> class P>
 P<Lanes> together(const std::array<P<double>, toy::width>& scenes) {
   P<Lanes> wide;
@@ -112,7 +112,7 @@ P<Lanes> together(const std::array<P<double>, toy::width>& scenes) {
     });
   return wide;
 }
-/// Starts as one state in lanes, at the time of the first.
+/// together() returns starts as one state in lanes, at the time of the first.
 template <class X>
 auto together(const std::array<X, toy::width>& starts) {
   auto x = convert<Lanes, double>(starts[0]);
@@ -121,8 +121,8 @@ auto together(const std::array<X, toy::width>& starts) {
   return x;
 }
 
-/// Every lane has the status and the bits of a lone run. Where that ends, the lane stays where it was; the statuses at
-/// the end are returned.
+/// expect_lone_runs() checks that every lane has the status and the bits of a run alone. Where a lone run fails, its
+/// lane stays where it was. It returns the statuses after the last step.
 template <class Scheme, template <class> class P, class X>
 toy::Statuses expect_lone_runs(const Scheme& scheme, const std::array<P<double>, toy::width>& scenes,
                                const std::array<X, toy::width>& starts, double h, int steps) {
@@ -148,7 +148,8 @@ toy::Statuses expect_lone_runs(const Scheme& scheme, const std::array<P<double>,
   return alone;
 }
 
-/// Every parameter off its default by another part in every lane but the first, within its range.
+/// neighbours() returns scenes with every parameter within its range: the first lane has the scene's own, each other
+/// lane differs by another part.
 template <template <class> class P>
 std::array<P<double>, toy::width> neighbours(const P<double>& scene) {
   std::array<P<double>, toy::width> scenes;
@@ -163,8 +164,8 @@ std::array<P<double>, toy::width> neighbours(const P<double>& scene) {
   return scenes;
 }
 
-/// Scenes that differ in parameters and state move together as each of them alone: explicit schemes of steps of equal
-/// length, with every composition and splitting.
+/// Scenes that differ in parameters and state, moved together, have the bits of each alone: explicit schemes of equal
+/// steps, with every composition and splitting.
 template <template <class> class P>
 void scenes_in_lanes_move_as_alone() {
   const double h = About<P>::card().suggested.at(0).second;

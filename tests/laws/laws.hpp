@@ -1,7 +1,8 @@
-// The laws, for one problem: LEAST_LAWS(id, Class) makes a suite of tests. The build calls it for every problem there
-// is, so that a new one is examined the day it appears. What runs can tell is in pair_laws.cpp, compiled once.
-// LEAST_SCHEME_LAWS adds what is a matter of the schemes, for one problem of each shape that they know: identity,
-// symmetry, and orders in quad precision; those of all the others are measured by tests/study/orders_test.cpp.
+// The laws, for one problem: LEAST_LAWS(id, Class) makes a suite of tests. The build calls it for every problem of the
+// catalogue, so that a new one is examined the day it appears. Laws that need only runs are in pair_laws.cpp, compiled
+// once. LEAST_SCHEME_LAWS adds the laws of the schemes, for one problem of each shape that schemes distinguish:
+// identity, symmetry, and orders in quad precision; tests/study/orders_test.cpp measures the orders on all other
+// problems.
 #pragma once
 
 #include "tests/laws/clock_laws.hpp"

@@ -1,4 +1,4 @@
-// Laws of a description: that it is generic in the number, and that what it states twice agrees.
+// Laws of a problem's description: it is generic in the number type, and where it states something twice both agree.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,8 +15,9 @@
 
 namespace laws {
 
-/// The equations of motion pass through symbols, the compiler's too; order 1 of their series is what they say; and a
-/// program whose structure the compiler knows gets the bits that reading it gives.
+/// recorded_as() checks that the equations of motion can be recorded on a tape, at compile time too; that order 1 of
+/// their Taylor series is their value; and that a series whose program the compiler has unrolled gives the same bits as
+/// one whose program is interpreted.
 template <template <class> class P, class X>
 void recorded_as(bool in_catalogue) {
   static_assert([] {
@@ -56,11 +57,11 @@ void recorded(bool in_catalogue = false) {
   recorded_as<P, FullStateOf<P<double>>>(in_catalogue);
 }
 
-/// One scheme for each thing that a problem can offer. The others are met with other numbers on some problems of each
-/// kind, in tests/schemes.
+/// Probes has one scheme for each thing that a problem can offer. tests/schemes runs the other schemes with other
+/// numbers on some problems of each kind.
 using Probes = std::tuple<RungeKutta4, Leapfrog, VariationalMidpoint, ContactSplitting>;
 
-/// Parameters may be dual numbers: the sensitivity of a step to each of them, against a difference quotient.
+/// Parameters may be dual numbers: the derivative of a step by each of them agrees with a difference quotient.
 template <template <class> class P, class Schemes = Probes>
 void parameters_can_be_dual() {
   using D = Dual<double, 1>;
@@ -105,7 +106,7 @@ void force_is_minus_gradient() {
           EXPECT_NEAR(stated[i], 3 * by_hand[i] / problem.potential(x.q, f), 1e-13 * (1 + std::abs(stated[i])));
       }
       // The potential itself against a difference quotient, so that the derivative of a wrong branch is not taken for
-      // truth.
+      // the truth.
       for (std::size_t i = 0; i < by_hand.size(); ++i) {
         auto up = x.q, down = x.q;
         const double d = 1e-5;
@@ -130,8 +131,8 @@ void damping_is_the_slope_of_its_integral() {
   }
 }
 
-/// q̇ = H_p, ṗ = −H_q − p H_s, ṡ = p·H_p − H, by differentiating the Hamiltonian itself. A flow that is split is the sum
-/// of its pieces, each of which is a flow: over h and then over h it goes where it goes over 2h, and back again.
+/// q̇ = H_p, ṗ = −H_q − p H_s, ṡ = p·H_p − H, by differentiating the Hamiltonian itself. A flow that is split is the
+/// sum of its pieces, and each piece is a flow: over h twice it goes where it goes over 2h, and over −h it comes back.
 template <template <class> class P>
 void equations_are_hamiltons() {
   const P<double> problem;
@@ -177,7 +178,7 @@ void equations_are_hamiltons() {
   }
 }
 
-/// dI/dt = ∇I·(q̇, ṗ) + I_t vanishes for what the card calls invariant.
+/// dI/dt = ∇I·(q̇, ṗ) + I_t vanishes for every quantity that the card calls invariant.
 template <template <class> class P>
 void invariants_are_conserved() {
   const P<double> problem;
@@ -200,7 +201,7 @@ void invariants_are_conserved() {
   }
 }
 
-/// A closed form agrees with the equations of motion integrated in quad precision, where it applies: with the
+/// A closed form, where it applies, agrees with the equations of motion integrated in quad precision, with the
 /// parameters of the card or of one of its presets. From a singular start the closed form itself leads to a regular
 /// one.
 template <template <class> class P>

@@ -1,5 +1,5 @@
-// Laws of every pair in the catalogue, through runs: the form is kept by the schemes that say so and by no other, and
-// no step allocates.
+// Laws of every pair of problem and scheme in the catalogue, through runs: the schemes that say so keep the form, no
+// other does, and no step allocates.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,8 +20,9 @@ std::string label(const Request& request) {
   return text;
 }
 
-/// Every scheme that fits the problem, with every composition, each with the splittings there are, and every number of
-/// stages; the hybrid on the coordinate side of its switch, with each quadrature and order.
+/// for_each_pair() calls f(request) for every scheme that fits the problem, with every composition, each with every
+/// splitting, and every number of stages; the hybrid on the coordinate side of its switch, with each quadrature and
+/// order.
 template <class F>
 void for_each_pair(std::size_t problem, F&& f) {
   for (const std::size_t index : runs::problem_cards()[problem].schemes) {
@@ -64,7 +65,7 @@ TEST_P(Pairs, KeepTheFormThatTheySay) {
     runs::only_final(request);
     const SchemeCard& scheme = scheme_of(request);
     const bool fixed = !scheme.own_clock, keeps = scheme.structure != "none" && scheme.structure != "volume";
-    if (!keeps && fixed)  // what it does wrong is to be seen
+    if (!keeps && fixed)  // so that the defect of such a scheme is seen
       request.settings[0] = std::max(10 * request.settings[0], problem.span / 1000);
     request.until_steps = true;
     request.steps = 1;
@@ -84,14 +85,14 @@ TEST_P(Pairs, KeepTheFormThatTheySay) {
     }
     if (keeps) {
       EXPECT_LT(most, 1e-12) << label(request);
-    } else if (fixed) {  // the others may keep it at times, or have no derivative
+    } else if (fixed) {  // schemes that choose their own steps may keep it at times, or have no derivative
       EXPECT_GT(most, 1e-11) << label(request) << " keeps the form but does not say so";
     }
   });
 }
 
-/// As many allocations in a run of many steps as in one of few, with every diagnostic that looks at each step. But for
-/// Odeint's three: they stand behind a pointer, and one of them allocates as it goes.
+/// A run of many steps allocates as often as one of few, with every diagnostic that looks at each step. Odeint's three
+/// schemes are left out: they stand behind a pointer, and one of them allocates as it goes.
 TEST_P(Pairs, AllocateNothingInTheLoop) {
   for_each_pair(GetParam(), [&](Request request) {
     const bool taylor = scheme_of(request).id == "taylor";
@@ -113,9 +114,11 @@ TEST_P(Pairs, AllocateNothingInTheLoop) {
       said = outcome.events.size() + outcome.warnings.size();
       return after - before;
     };
-    allocations(4);  // what is kept from run to run is there now
-    const std::size_t few = allocations(4), many = allocations(taylor ? 8 : 54);  // a series comes to the end of a star
-    // An event is a list, a warning a text, and so is what the largest error of the energy is relative to.
+    allocations(4);  // the first run fills what is kept from run to run
+    const std::size_t few = allocations(4),
+                      many = allocations(taylor ? 8 : 54);  // more steps of a series would pass the end of a star
+    // Each event adds to a list and each warning is a text; so is the name of what the energy's largest error is
+    // relative to.
     EXPECT_LE(many, few + 8 * said + 1) << label(request);
   });
 }

@@ -1,4 +1,4 @@
-// Which schemes apply to which scene, said here by hand: the compiler finds the pairs, and this is what it has to find.
+// Which schemes apply to which scene, listed here by hand: the compiler finds the pairs, and has to find these.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -61,7 +61,7 @@ TEST(Pairs, AreTheseAndNoOthers) {
   for (const SchemeCard& scheme : schemes()) EXPECT_FALSE(scheme.needs.empty()) << scheme.id;
 }
 
-// A problem that nobody has listed here is at least one of these kinds.
+// The schemes of every problem, also of one that is not listed above, are exactly those of one of these kinds.
 TEST(Pairs, OfEveryProblemAreThoseOfAKind) {
   const std::set<Ids> kinds{lagrangian, separable, contact, damped, split, anything};
   for (const ProblemCard& problem : runs::problem_cards()) {

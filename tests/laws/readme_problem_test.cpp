@@ -1,4 +1,4 @@
-// The problem that the README shows how to add: the build takes its block of C++ as it is printed.
+// The problem that the README shows how to add: the build compiles the README's own block of C++.
 #include "core/from_values.hpp"
 #include "duffing.hpp"
 #include "tests/laws/laws.hpp"

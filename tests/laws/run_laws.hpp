@@ -40,7 +40,7 @@ void card_is_consistent(std::string_view id) {
   EXPECT_GE(card.schemes.size(), 4U);
 }
 
-/// Every number of a list of reports, to the bit.
+/// text() writes every number of a list of reports as text, exact to the bit, so that reports can be compared.
 inline std::string text(const std::vector<Report>& reports) {
   std::string all;
   for (const auto& report : reports) {
@@ -55,7 +55,7 @@ inline std::string text(const std::vector<Report>& reports) {
   return all;
 }
 
-/// What is recorded and which diagnostics are asked for never changes the bits of the run.
+/// Neither the recording nor the diagnostics change the bits of a run.
 template <template <class> class P>
 void recording_never_changes_the_run(std::string_view id) {
   for (std::size_t i = 0; i < schemes().size(); ++i) {
@@ -86,7 +86,7 @@ void recording_never_changes_the_run(std::string_view id) {
          {runs::scene(request).start, runs::scene(request).start + 1e-9, request.end * 0.77, request.end}});
     for (const auto& record : records) {
       request.record = record;
-      // Diagnostics take most of the time: with one record of each kind that is often asked for.
+      // Diagnostics take most of the time: ask for them with one record of each common kind.
       const bool often = record.count == 1 || record.count == 61;
       for (const bool diagnostics : {false, true}) {
         if (diagnostics && !often) continue;

@@ -15,7 +15,7 @@ namespace laws {
 
 using namespace least;
 
-/// The card's start, as a state that carries everything it can.
+/// default_start() returns the card's start, as a state with every component that the problem can carry.
 template <template <class> class P>
 FullStateOf<P<double>> default_start() {
   FullStateOf<P<double>> x;
@@ -52,7 +52,7 @@ double size(const X& x) {
   return std::max(1.0, distance(x, X{}));
 }
 
-/// How long the motion from x takes to change its rate by its own size.
+/// rhythm() returns the time in which the rate of change of the motion at x changes by about its own size.
 template <class P, class X>
 double rhythm(const P& problem, const X& x) {
   const double ahead = 1e-6;
@@ -62,7 +62,7 @@ double rhythm(const P& problem, const X& x) {
   return ahead * distance(rate, X{}) / distance(derivative(problem, later), rate);
 }
 
-/// A step that resolves the default motion, coarsely enough for errors to be seen.
+/// coarse_step() returns a step that resolves the default motion, but coarsely enough for errors to be seen.
 template <template <class> class P>
 double coarse_step() {
   double h = std::min(About<P>::card().span / 100, 0.5);
@@ -81,7 +81,7 @@ void for_each_scheme(F&& f) {
           scheme.composition = static_cast<Composition>(i);
           f(scheme);
         }
-        if constexpr (requires { scheme.splitting; }) {  // the other one than the composed ones were
+        if constexpr (requires { scheme.splitting; }) {  // the splitting that the composed schemes above did not have
           scheme.composition = Composition::suzuki_4;
           scheme.splitting = QuadraticContact<P<double>> ? Splitting::plain : Splitting::merged;
           if (!SplitFlow<P<double>>) f(scheme);
@@ -103,7 +103,7 @@ void for_each_scheme(F&& f) {
   }(static_cast<Schemes*>(nullptr));
 }
 
-/// "leapfrog kahan_li_6"
+/// label() returns text such as "leapfrog kahan_li_6".
 template <class Scheme>
 std::string label(const Scheme& scheme) {
   std::string text(Scheme::card().id);

@@ -14,8 +14,8 @@ struct Measured {
   double step, error;
 };
 
-/// Errors at the end of the span on a ladder of steps, down to the floor of the number T or the end of the work
-/// allowed.
+/// convergence() returns the errors at the end of the span on a ladder of steps, down to the round-off floor of the
+/// number T or the end of the work allowed (in force evaluations).
 template <class T, class P, class Scheme, class X, class Y>
 std::vector<Measured> convergence(const P& problem, const Scheme& scheme, const X& start, const Y& end, double floor,
                                   double work_allowed) {
@@ -33,7 +33,7 @@ std::vector<Measured> convergence(const P& problem, const Scheme& scheme, const 
       x.t = T(start.t) + T(k + 1) * h;
     }
     work += static_cast<double>(stepper.work().forces);
-    if (status != StepStatus::ok) continue;  // too long a step for the solver
+    if (status != StepStatus::ok) continue;  // the step is too long for the implicit solver
     const double error = distance(x, truth) / size(truth);
     if (error < floor) break;
     if (error < 3e-2) points.push_back({static_cast<double>(h), error});
@@ -41,15 +41,16 @@ std::vector<Measured> convergence(const P& problem, const Scheme& scheme, const 
   return points;
 }
 
-/// Order on both sides, ±0.1, by the slope of log error against log step over at least three points between
-/// truncation's asymptotic range and round-off. Orders from 8 on have too little room for that in long double and are
-/// measured in quad.
+/// The order is as declared, ±0.1: the slope of log error against log step over at least three points between the
+/// asymptotic range of truncation and round-off. From order 8 on long double leaves too little room for that; these
+/// orders are measured in quad.
 template <template <class> class P>
 void order_is_as_declared() {
   const P<double> problem;
   auto start = default_start<P>();
   if (HasSeries<P<double>>) start = states<P>()[0];  // at a singular time orders fall
-  // Short against the default span, and not much longer than the motion takes to change by its own size.
+  // The span is short against the default one, and not much longer than the time in which the motion changes by its own
+  // size.
   const auto rate = derivative(problem, start);
   const double span = std::min(
       {About<P>::card().span / 8, 1.5 * size(start) / distance(rate, decltype(start){}), 6 * rhythm(problem, start)});
@@ -57,7 +58,7 @@ void order_is_as_declared() {
   ASSERT_TRUE(truth.advance(Quad(start.t + span), [] { return true; }));
 
   for_each_scheme<P>([&](const auto& scheme) {
-    // A damping factor that is rounded once is off by the same in every step: many steps raise the floor.
+    // A damping factor that is rounded once is wrong by the same amount in every step: many steps raise the floor.
     const double floor = order(scheme) < 6 ? 2e-14 : 3e-16;
     const auto points = [&] {
       if constexpr (requires { scheme.composition; })
@@ -65,7 +66,7 @@ void order_is_as_declared() {
       return convergence<long double>(problem, scheme, start, truth.state(), floor, 40'000);
     }();
     ASSERT_GE(points.size(), 3U) << label(scheme) << ": the order could not be measured";
-    // The finest points: three, or as many as lie within a factor 2.5 in step.
+    // The finest points: three, or more where more lie within a factor 2.5 in step.
     std::size_t first = points.size() - 3;
     while (first > 0 && points[first - 1].step < 2.5 * points.back().step) --first;
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
@@ -78,7 +79,7 @@ void order_is_as_declared() {
   });
 }
 
-/// step(h) then step(−h) comes back, for the schemes that say they are symmetric, and for no other.
+/// step(h) then step(−h) comes back for the schemes that say they are symmetric, and for no other.
 template <template <class> class P>
 void symmetric_schemes_return() {
   const P<double> problem;
@@ -86,7 +87,7 @@ void symmetric_schemes_return() {
   for_each_scheme<P>([&](const auto& scheme) {
     double most = 0;
     const bool symmetric = scheme.card().symmetric;
-    // Where the damping is weak, what is not symmetric is seen to be so at longer steps only.
+    // Where the damping is weak, only longer steps show that a scheme is not symmetric.
     for (const double step : symmetric ? std::vector{h} : std::vector{h, 4 * h, 16 * h})
       for (const auto& start : states<P>()) {
         auto x = start;

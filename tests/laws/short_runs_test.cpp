@@ -1,4 +1,4 @@
-// What a run costs beside its steps: of what it does not keep nothing is made.
+// The cost of a run beside its steps: it makes nothing of what it does not keep.
 #include "tests/support/allocations.hpp"
 #include "tests/support/runs.hpp"
 
@@ -15,7 +15,7 @@ TEST(ShortRuns, AllocateLittleBesideTheirSteps) {
     request.steps = 1;
     runs::only_final(request);
     Samples none;
-    request.scene->mechanics->run(request, none, never);  // the first may remember something for the next
+    request.scene->mechanics->run(request, none, never);  // the first run may allocate what later ones reuse
     const std::size_t before = counting::allocations();
     request.scene->mechanics->run(request, none, never);
     EXPECT_LE(counting::allocations() - before, most) << scheme;

@@ -1,4 +1,4 @@
-// Table of RESULTS.md: how long `auto` takes to choose a scheme for every scene as it begins. Printed before the
+// Table of RESULTS.md: how long `auto` takes to choose a scheme for every scene at its start. Printed before the
 // benchmarks.
 #include <cstdio>
 #include <string>
@@ -19,7 +19,7 @@ void bench::advice() {
   for (const ProblemCard& problem : runs::problem_cards()) {
     if (!bench::is_wanted(problem.id)) continue;
     Request request = runs::defaults(problem.id, schemes()[problem.schemes.front()].id);
-    request.end *= 1 + 1e-9;  // the true states of the other tables are known by now
+    request.end *= 1 + 1e-9;  // the cache already has the true states of the other tables
     Wish wish;
     wish.accuracy = 1e-6;
     const bench::Stopwatch fresh;

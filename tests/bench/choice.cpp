@@ -1,5 +1,5 @@
-// Tables of RESULTS.md: what each scheme makes of the same work on the same orbit, and how well every scene is solved.
-// Printed before the benchmarks.
+// Tables of RESULTS.md: the errors of each scheme for the same work on the same orbit, and how well every scene is
+// solved. Printed before the benchmarks.
 #include <cmath>
 #include <cstdio>
 
@@ -12,7 +12,7 @@ using namespace least;
 
 struct Case {
   const char* scheme;
-  const char* composition;  // nullptr: takes none
+  const char* composition;  // nullptr: the scheme has none
 };
 
 // Kepler, e = 0.6, from periapsis, 100 periods.

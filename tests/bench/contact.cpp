@@ -1,4 +1,4 @@
-// Contact schemes against the loops one would write by hand, what leaving out s saves, and what tabulated phases save.
+// Contact schemes against loops written by hand, and the time that is saved by leaving out s and by tabulated phases.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t steps = 1'000'000;
 
-// The same map as contact_leapfrog of ours with constant damping: one force, no exponential, no division.
+// The same map as our contact_leapfrog with constant damping: one force, no exponential, no division.
 [[gnu::noinline]] std::array<double, 2> damped_by_hand(double q, double p, double stiffness, double damping, double h,
                                                        std::int64_t n) {
   const double half = h / 2, before = 1 - half * damping, after = 1 / (1 + half * damping);
@@ -27,7 +27,7 @@ constexpr std::int64_t steps = 1'000'000;
   }
   return {q, p};
 }
-// The same map as contact_splitting of ours: one force, one sine and one exponential a step.
+// The same map as our contact_splitting: one force, one sine and one exponential a step.
 [[gnu::noinline]] std::array<double, 4> kepler_by_hand(double x, double y, double px, double py, double gamma,
                                                        double alpha, double frequency, double h, std::int64_t n) {
   const double half = h / 2;
@@ -53,7 +53,7 @@ least::Request bare(std::string_view problem, std::string_view scheme, double st
   request.limits.seconds = 1e9;
   return request;
 }
-/// With s among the columns the run carries it.
+/// with_action() asks for the column s, so that the run has to carry s.
 least::Request with_action(least::Request request) {
   const auto& columns = request.scene->card().columns;
   for (std::size_t i = 0; i < columns.size(); ++i)
@@ -95,7 +95,7 @@ const bool registered = [] {
     state.counters["units"] = steps;
   });
   least::Request damped = bare("damped_oscillator", "contact_leapfrog", 0.01);
-  runs::scene(damped).parameters[1] = 1e-6;  // a motion that has not died away, whose numbers have not become subnormal
+  runs::scene(damped).parameters[1] = 1e-6;  // weak damping, so that the motion does not decay to subnormal numbers
   ours("contact/damped", damped);
   ours("contact/damped with s", with_action(damped));
   bench::compare("contact_leapfrog damped_oscillator, by hand", "contact/damped", "hand/damped", 1.05);
@@ -114,15 +114,15 @@ const bool registered = [] {
     ours("computed/" + scheme, bare("spin_orbit", scheme, 0.3141));
     bench::compare(scheme + " spin_orbit, h = π/10, h = .3141", "tabulated/" + scheme, "computed/" + scheme, 0);
   }
-  // Steps that follow the motion, by the force: constant damping, and one that changes in time, which is an equation
-  // more a part.
+  // Steps that adapt to the force, with constant damping and with damping that changes in time, which makes the time
+  // one more equation of each part.
   for (const std::string problem : {"damped_kepler", "perturbed_kepler"})
     for (const std::string composition : {"none", "kahan_li_8"}) {
       least::Request request = bare(problem, "time_transformed", composition == "none" ? 0.015 : 0.2);
       runs::set(request, "kappa", std::numeric_limits<double>::quiet_NaN());
       runs::set(request, "composition", composition);
       request.steps = 20'000;
-      if (problem == "damped_kepler") runs::set(request, "alpha", 1e-6);  // the star stays where it is
+      if (problem == "damped_kepler") runs::set(request, "alpha", 1e-6);  // weak, so that the orbit does not decay
       const std::string name = "transformed/" + problem + " " + composition;
       add(name, [request](benchmark::State& state) {
         std::int64_t forces = 0;

@@ -1,4 +1,4 @@
-// What derivatives of a motion cost: runs with sensitivities against the same runs without.
+// The cost of derivatives of a motion: runs with sensitivities against the same runs without.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -22,7 +22,7 @@ using variations::SensitivitiesAsked;
 
 const std::atomic<bool> never{false};
 
-/// A run by `taylor` of which nothing is kept but its end.
+/// bare() requests a run by `taylor` that keeps only its final state.
 Request bare(std::string_view problem, double until) {
   Request request = runs::defaults(problem, "taylor");
   request.end = until;
@@ -47,8 +47,8 @@ std::shared_ptr<const SensitivitiesAsked> asked_by(const Request& request, std::
   return asked;
 }
 
-/// What each of some takes in seconds: the shortest of several windows of time, which are as long for all, and take
-/// turns, so that a machine that is not quiet disturbs all alike.
+/// shortest() returns the seconds that each function takes: the shortest mean of several time windows. The windows are
+/// equally long and take turns, so that other work on the machine disturbs all functions alike.
 std::vector<double> shortest(const std::vector<std::function<void()>>& all) {
   constexpr double window = 2e-3;
   constexpr int windows = 60;

@@ -1,5 +1,5 @@
-// Table of the README: what a digit costs, for our best scheme and for those of other libraries. Printed before the
-// benchmarks.
+// Table of the README: the cost of each accuracy, for our best scheme and for those of other libraries. Printed before
+// the benchmarks.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +39,7 @@ Contestant theirs(const TrueOrbit& orbit, const Peer& peer) {
   return {"`" + std::string(peer.name) + "`", 1, 1e-16, std::pow(10, 0.25), measured, prepared};
 }
 
-/// The first of the sorted entrants that fits, or none.
+/// first() returns the first of the sorted entrants that fits, or nullptr.
 template <class Fits>
 const Entrant* first(const std::vector<Entrant>& all, Fits&& fits) {
   const auto found = std::ranges::find_if(all, fits);
@@ -54,7 +54,7 @@ auto called(std::string_view name) {
 bool is_peer(const Entrant& entrant) { return entrant.contestant->owner == Owner::peer; }
 bool is_ours(const Entrant& entrant) { return !is_peer(entrant); }
 
-/// One that is missing: why. A ladder ends at its finest setting, or where its budget does.
+/// missing() says why a cell is empty: the ladder's budget was spent, or its finest setting was not accurate enough.
 std::string missing(const std::vector<Ladder>& ladders, std::string_view name) {
   for (const Ladder& ladder : ladders)
     if (ladder.contestant.name == name && ladder.given_up) return "– (dear)";
@@ -70,7 +70,7 @@ std::string ratio_of(double theirs, double ours) {
   std::snprintf(text, sizeof text, "%.2f", theirs / ours);
   return text;
 }
-/// The fewest force evaluations of those that fit; 0: there are none.
+/// fewest() returns the smallest number of force evaluations of the entrants that fit; 0 where there are none.
 template <class Fits>
 std::int64_t fewest(const std::vector<Entrant>& all, Fits&& fits) {
   std::int64_t least = 0;
@@ -79,13 +79,13 @@ std::int64_t fewest(const std::vector<Entrant>& all, Fits&& fits) {
   return least;
 }
 
-/// What all cells say together.
+/// Verdict counts what all cells of the table say together.
 struct Verdict {
   int cells = 0, ahead_in_time = 0, ahead_in_forces = 0, well_ahead = 0;
   std::vector<std::string> not_ahead, not_well, goals;
 } verdict;
 
-/// Microseconds at each accuracy, on a machine whose step of leapfrog on Kepler takes 16 ns; 0: none is set.
+/// Goals holds microseconds at each accuracy, for a machine whose step of leapfrog on Kepler takes 16 ns; 0: no goal.
 using Goals = std::array<double, accuracies.size()>;
 
 double leapfrog_step() {
@@ -103,7 +103,7 @@ void row(const std::string& title, std::size_t accuracy, const std::vector<Ladde
   std::vector<Entrant> all = entrants(ladders, accuracy);
   const std::int64_t our_forces = fewest(all, is_ours), their_forces = fewest(all, is_peer);
   race(all, 3);
-  // The slower ones are out, but for those that have a column of their own.
+  // The final race is between the fastest few only: five of our structure-keeping schemes, two of each other column.
   std::map<std::string, int> places;
   std::erase_if(all, [&](const Entrant& entrant) {
     const Contestant& who = *entrant.contestant;
@@ -181,7 +181,8 @@ void rows(const char* title, const Request& scene, const Goals& goals = {}) {
                 orbit.floor);
 }
 
-/// From its default start, up to `end`; the scheme in it is any that fits.
+/// scene() is the problem from its default start to `end`, or to its default end where `end` is 0. Its scheme is only a
+/// placeholder.
 Request scene(std::string_view problem, double end) {
   const ProblemCard& card = runs::problem_card(problem);
   Request request = runs::defaults(problem, schemes()[card.schemes.front()].id);

@@ -22,10 +22,10 @@ std::array<double, 3> elements(const double* x) {
 }
 
 struct Case {
-  const char *scheme, *composition;  // nullptr: takes none
+  const char *scheme, *composition;  // nullptr: the scheme has none
 };
 
-/// The preset `weak` under one scheme at this value of its dial.
+/// request_of() requests the preset `weak` by one scheme, with this value of the setting that determines its accuracy.
 Request request_of(const Case& c, double value, const std::vector<double>& times) {
   Request request = runs::defaults("damped_kepler", c.scheme);
   const ProblemCard& card = runs::card(request);
@@ -43,7 +43,8 @@ Request request_of(const Case& c, double value, const std::vector<double>& times
   return request;
 }
 
-/// The dial's value at which a short run spends its share of the work; the dial lies within 1e-14 and 10.
+/// value_for() returns the value of that setting, between 1e-14 and 10, at which a short run spends its share of the
+/// work.
 double value_for(const Case& c, double forces, double span) {
   double low = std::log(1e-14), high = std::log(10);
   for (int k = 0; k < 40; ++k) {
@@ -64,7 +65,7 @@ void bench::drag() {
   constexpr double revolutions = 10'000, budget = 2e6;  // force evaluations
   const double turn = 2 * std::acos(-1.0);
   constexpr std::array parts{0.25, 0.5, 1.0};
-  constexpr int looks = 16;  // at a revolution: an error goes up and down along the orbit
+  constexpr int looks = 16;  // samples of a revolution: errors oscillate along the orbit
   std::vector<double> times;
   for (const double part : parts)
     for (int k = 1; k <= looks; ++k) times.push_back((part * revolutions - 1 + double(k) / looks) * turn);

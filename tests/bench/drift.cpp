@@ -1,4 +1,4 @@
-// Table of RESULTS.md: what ten thousand revolutions do to the energy under a scheme that keeps structure, and under
+// Table of RESULTS.md: the energy error after ten thousand revolutions by a scheme that keeps structure, and by
 // `taylor`, which keeps none. Printed before the benchmarks.
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 using namespace least;
 
 struct Case {
-  const char *scheme, *composition;  // nullptr: takes none
+  const char *scheme, *composition;  // nullptr: the scheme has none
   const char* dial;
   double value;
 };
@@ -38,7 +38,7 @@ double energy(const std::vector<double>& x) { return (x[2] * x[2] + x[3] * x[3])
 void bench::drift() {
   const double turn = 2 * std::acos(-1.0);
   constexpr std::array parts{100.0, 1000.0, 10'000.0};
-  constexpr int looks = 16;  // at a revolution: an error goes up and down along the orbit
+  constexpr int looks = 16;  // samples of a revolution: errors oscillate along the orbit
   std::vector<double> times;
   for (const double part : parts)
     for (int k = 1; k <= looks; ++k) times.push_back((part - 1 + double(k) / looks) * turn);

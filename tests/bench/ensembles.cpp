@@ -1,4 +1,4 @@
-// Steps of members in lanes against steps of a run of ours, by instruction set, and members by two threads against one.
+// Steps of members in lanes against steps of a single run, by instruction set, and members by two threads against one.
 #include "tests/support/ensembles.hpp"
 
 #include <benchmark/benchmark.h>
@@ -31,7 +31,7 @@ EnsemblePlan members_of(const std::string& problem, const std::string& scheme, d
   return plan;
 }
 
-/// The same members, of which each has its own value of a parameter, after so many steps.
+/// swept_members_of() returns the same members with a parameter that differs from member to member, over `steps` steps.
 EnsemblePlan swept_members_of(const EnsemblePlan& shared, std::int64_t steps) {
   EnsemblePlan plan = shared;
   const double value = plan.request.scene->parameters[0];
@@ -41,7 +41,7 @@ EnsemblePlan swept_members_of(const EnsemblePlan& shared, std::int64_t steps) {
   return plan;
 }
 
-/// The same members of the same scene, typed.
+/// typed_members_of() returns the same members, of the same scene typed as text.
 EnsemblePlan typed_members_of(const EnsemblePlan& compiled, std::string_view problem) {
   static const std::vector<texts::Typed> all = texts::all();
   const auto typed = std::ranges::find(all, problem, &texts::Typed::id);
@@ -79,7 +79,7 @@ void on_threads(benchmark::State& state, const EnsemblePlan& plan, unsigned thre
   state.counters["units"] = static_cast<double>(plan.members.count * steps_of_a_member);
 }
 
-/// What Boost.Odeint takes for Kepler's members where its state is of registers, by hand.
+/// add_peer() adds Boost.Odeint on registers (odeint_members) as a baseline of Kepler's members.
 void add_peer([[maybe_unused]] const LaneUnit& unit, [[maybe_unused]] double step) {
 #if defined(__x86_64__)
   const auto peer = unit.width == 8 ? odeint_members<64> : unit.width == 4 ? odeint_members<32> : nullptr;
@@ -97,7 +97,7 @@ void add_peer([[maybe_unused]] const LaneUnit& unit, [[maybe_unused]] double ste
 const bool ensembles_registered = [] {
   struct Case {
     std::string problem, scheme;
-    double step, wide, narrow;  ///< goals: AVX-512 and AVX2 against a run
+    double step, wide, narrow;  ///< goals with AVX-512 and AVX2: the time of a step over that of a single run
   };
   const double turn = 2 * std::numbers::pi;
   for (const auto& [problem, scheme, step, wide, narrow] :

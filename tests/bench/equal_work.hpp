@@ -1,4 +1,4 @@
-// Runs set side by side at the same number of force evaluations.
+// Runs that are compared at the same number of force evaluations.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 
 namespace bench {
 
-/// The setting (step, θ or σ) at which `request(setting)` spends about `budget` force evaluations, sought from
-/// `setting`. What a step of an implicit scheme costs is not known beforehand.
+/// at_cost() returns the setting (step, θ or σ) at which `request(setting)` spends about `budget` force evaluations, by
+/// iteration from `setting`: the cost of an implicit step is not known beforehand.
 template <class Make>
 double at_cost(double budget, double setting, Make&& request) {
   for (int k = 0; k < 6; ++k)
@@ -16,7 +16,7 @@ double at_cost(double budget, double setting, Make&& request) {
   return setting;
 }
 
-/// The shortest of some runs.
+/// milliseconds() returns the shortest time of seven runs.
 inline double milliseconds(const least::Request& request) {
   double seconds = 1e9;
   for (int k = 0; k < 7; ++k) seconds = std::min(seconds, runs::go(request).outcome.cost.seconds);

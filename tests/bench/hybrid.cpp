@@ -1,5 +1,5 @@
-// Tables of RESULTS.md: the Jacobi–Maupertuis hybrid beside leapfrog and beside the other schemes whose steps follow
-// the motion, at equal work. Printed before the benchmarks.
+// Tables of RESULTS.md: the Jacobi–Maupertuis hybrid beside leapfrog and beside the other schemes with adaptive steps,
+// at equal work. Printed before the benchmarks.
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -12,12 +12,12 @@ namespace {
 using namespace least;
 
 struct Case {
-  const char *scheme, *preset, *composition;  // nullptr: takes none
-  const char* also = "";                      // what else the table says of it
+  const char *scheme, *preset, *composition;  // composition nullptr: the scheme has none
+  const char* also = "";                      // a further description for the table
 };
 
 struct Column {
-  const char *heading, *path;  // of a number among the diagnostics
+  const char *heading, *path;  // path: of a number among the diagnostics
 };
 
 struct Comparison {
@@ -28,12 +28,12 @@ struct Comparison {
   std::vector<Column> columns;
 };
 
-/// Whether a setting is the length of a step: in time, of a coordinate or of a parameter.
+/// is_length() says whether a setting is the length of a step: in time, in a coordinate or in a parameter.
 bool is_length(const ParameterCard& setting) {
   return setting.suggested == "step" || setting.suggested == "theta" || setting.suggested == "sigma";
 }
 
-/// The scheme at its suggested settings, its lengths `factor` times as long.
+/// scaled() requests the scheme at its suggested settings with all lengths multiplied by `factor`.
 Request scaled(const Comparison& all, const Case& c, double factor) {
   Request request = runs::defaults(all.problem, c.scheme);
   request.end = all.end;
@@ -49,7 +49,7 @@ Request scaled(const Comparison& all, const Case& c, double factor) {
   return request;
 }
 
-/// "κ = −E₀, suzuki_4, σ = 0.1"
+/// described() returns text such as "κ = −E₀, suzuki_4, σ = 0.1".
 std::string described(const Case& c, const Request& request) {
   std::string text = c.also;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };

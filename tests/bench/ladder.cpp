@@ -6,21 +6,21 @@
 
 namespace {
 
-/// Of this thread, which does not count what others do meanwhile.
+/// processor_seconds() counts the time of this thread only, so that other threads do not disturb it.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Of each the smallest of interleaved repetitions.
+/// microseconds() returns the smallest time of interleaved repetitions of each function.
 std::vector<double> microseconds(const std::vector<std::function<void()>>& all, int rounds) {
   using Clock = std::chrono::steady_clock;
-  constexpr double batch = 50;  // runs shorter than this are made several times in a row
+  constexpr double batch = 50;  // microseconds: shorter runs are repeated in a row to fill this time
   std::vector<double> least(all.size(), std::numeric_limits<double>::infinity());
   for (int round = 0; round < rounds; ++round)
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const int repeats = static_cast<int>(std::clamp(batch / least[i], 1.0, 1e3));  // at first once
+      const int repeats = static_cast<int>(std::clamp(batch / least[i], 1.0, 1e3));  // one run in the first round
       const auto start = Clock::now();
       for (int k = 0; k < repeats; ++k) all[i]();
       const double together = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
@@ -51,7 +51,8 @@ void bench::Ladder::descend() {
 }
 
 void bench::descend(std::vector<Ladder>& ladders, std::size_t count, double far) {
-  constexpr double short_run = 5e-4;  // seconds: below, a delay by chance would decide
+  constexpr double short_run =
+      5e-4;  // seconds: for shorter runs a delay by chance would decide which ladder is given up
   double most = most_seconds;
   while (true) {
     Ladder* next = nullptr;

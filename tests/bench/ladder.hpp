@@ -1,4 +1,4 @@
-// Contestants that are refined until they reach given accuracies, and races between those that do.
+// Contestants that are refined until they reach given accuracies, and races between those that reach them.
 #pragma once
 
 #include <array>
@@ -22,24 +22,25 @@ struct Run {
   std::int64_t forces;
 };
 
-/// Whose a contestant is: a scheme of ours that keeps structure, ours that keeps none, a measure.
+/// Owner says what a contestant is: a scheme of ours that keeps structure, our `taylor`, which keeps none, or a peer,
+/// which ours are measured against.
 enum class Owner { structure, taylor, peer };
 
-/// A scheme with a setting that makes it as fine as one likes.
+/// Contestant is a scheme with a setting that makes it as fine as one likes.
 struct Contestant {
   std::string name;
-  double coarsest, finest, finer;  ///< the setting: where to begin and to end, the factor between two
+  double coarsest, finest, finer;  ///< the first and last setting, and the factor between two settings
   std::function<Run(double)> measured;
-  std::function<std::function<void()>(double)> prepared;  ///< a run as one would make it, straight to the end
-  std::string_view symbol{};                              ///< of the setting
+  std::function<std::function<void()>(double)> prepared;  ///< a run straight to the end, as a user would make it
+  std::string_view symbol{};                              ///< the symbol of the setting
   Owner owner = Owner::peer;
-  double period = 0;  ///< that the setting is to divide
-  /// The setting itself, or the next finer one that divides the period.
+  double period = 0;  ///< the setting has to divide this period; 0: none
+  /// setting() returns the value itself, or the next finer one that divides the period.
   double setting(double value) const { return value < period ? period / std::ceil(period / value) : value; }
 };
 
-/// The coarsest setting of a contestant at which it reaches each accuracy, and at the next finer one, too: in the noise
-/// of round-off, and where an error happens to change its sign, single runs are better than the rest.
+/// Ladder finds the coarsest setting at which a contestant reaches each accuracy. The next finer setting has to reach
+/// it, too: in the noise of round-off, and where an error happens to change its sign, single runs are too good.
 struct Ladder {
   struct Rung {
     double value;
@@ -48,23 +49,23 @@ struct Ladder {
   };
   Contestant contestant;
   double value = contestant.setting(contestant.coarsest);
-  double cost = 0, together = 0;  ///< seconds: of the last run, of all
-  bool given_up = false;          ///< its budget is spent, or others are far ahead
+  double cost = 0, together = 0;  ///< seconds: of the last run, of all runs
+  bool given_up = false;          ///< its budget is spent, or other contestants are far ahead
   std::array<std::optional<Rung>, accuracies.size()> rungs{};
 
   const Rung* reached(std::size_t accuracy) const {
     const auto& rung = rungs[accuracy];
     return rung && rung->holds ? &*rung : nullptr;
   }
-  /// One run, and what it says.
+  /// descend() makes one run at `value`, records the accuracies it reaches and goes on to the next finer setting.
   void descend();
 };
 
-/// All ladders side by side, the cheapest next run first, until what is left is `far` times as dear as the cheapest run
-/// that has the first `count` accuracies, or has had its time.
+/// descend() refines all ladders, always the one whose last run was cheapest. A ladder ends where it has the first
+/// `count` accuracies, or its time is spent, or a run costs `far` times as much as the cheapest that had them.
 void descend(std::vector<Ladder>& ladders, std::size_t count, double far);
 
-/// A contestant at the coarsest setting that will do.
+/// Entrant is a contestant at the coarsest setting that reaches an accuracy.
 struct Entrant {
   const Contestant* contestant;
   double value;
@@ -74,7 +75,7 @@ struct Entrant {
 
 std::vector<Entrant> entrants(const std::vector<Ladder>& ladders, std::size_t accuracy);
 
-/// Times them in microseconds, each the smallest of interleaved repetitions, and sorts them by that.
+/// race() times the entrants in microseconds, each the smallest of interleaved repetitions, and sorts them by that.
 void race(std::vector<Entrant>& all, int rounds);
 
 }  // namespace bench

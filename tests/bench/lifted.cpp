@@ -1,5 +1,5 @@
-// Table of RESULTS.md: frames that turn and magnetic fields, by the explicit maps of lifted_splitting, by the implicit
-// ones that keep as much, and by those that keep nothing. Printed before the benchmarks.
+// Table of RESULTS.md: rotating frames and magnetic fields, by the explicit maps of lifted_splitting, by implicit
+// schemes that keep as much, and by schemes that keep nothing. Printed before the benchmarks.
 #include "tests/support/lifted.hpp"
 
 #include <algorithm>
@@ -17,11 +17,11 @@ namespace {
 using namespace least;
 using namespace bench;
 
-constexpr double far = 100;  // what is so many times as dear as the cheapest is left out
+constexpr double far = 100;  // a scheme that costs so many times as much as the cheapest is left out
 constexpr const char *frames = "lifted_splitting", *turns = "boris", *paced = "adaptive_boris",
                      *implicit = "contact_gauss", *series = "taylor";
 
-/// Of which column a contestant is; empty: of none.
+/// column_of() returns the column of a contestant; empty where it has none.
 std::string_view column_of(const Contestant& contestant) {
   for (const std::string_view id : {frames, turns, implicit, series})
     if (contestant.name.starts_with("`" + std::string(id))) return id;
@@ -37,11 +37,11 @@ std::string cell(const std::map<std::string_view, const Entrant*>& best, std::st
   return text;
 }
 
-/// The scheme, as far as the column does not say it, and its step.
+/// choice_of() returns the step of the best entrant of a column, and the settings that the heading does not name.
 std::string choice_of(const std::map<std::string_view, const Entrant*>& best, std::string_view column) {
   const auto found = best.find(column);
   if (found == best.end()) return "–";
-  std::string name = found->second->contestant->name;  // `id` and what is set
+  std::string name = found->second->contestant->name;  // `id` and its settings
   if (name.starts_with("`" + std::string(column))) {
     name.erase(0, column.size() + 2);
     name.erase(0, name.find_first_not_of(", "));
@@ -91,7 +91,7 @@ void rows(const char* title, const lifted::Scene& of, double end) {
   }
 }
 
-/// Nanoseconds of a step of each, the least of so many runs by turns.
+/// steps_of() returns the nanoseconds of a step of each request, the least of `times` runs that take turns.
 std::vector<double> steps_of(std::vector<Request> requests, int times = 5) {
   constexpr std::int64_t steps = 100'000;
   std::vector<double> least(requests.size(), std::numeric_limits<double>::infinity());
@@ -111,7 +111,7 @@ double step_of(const lifted::Scene& of, const char* scheme) {
   return steps_of({request})[0];
 }
 
-/// What a constant kinetic matrix that is not diagonal costs, of two coordinates.
+/// The cost of a constant kinetic matrix that is not diagonal, for two coordinates.
 void coupled_masses() {
   const auto leapfrog = [](const char* kinetic) {
     const std::string rest = " - 0.99/sqrt((x+0.01)^2 + y^2) - 0.01/sqrt((x-0.99)^2 + y^2)";
@@ -125,7 +125,7 @@ void coupled_masses() {
       ns[0], ns[1], ns[1] / ns[0]);
 }
 
-/// On the flows of the catalogue, against the splitting of the problem's own flows.
+/// lifted_splitting on the flows of the catalogue, against the splitting into the problem's own exact flows.
 void flows() {
   std::printf(
       "\nFlows of the catalogue, by `lifted_splitting` on their rates and by `contact_splitting` on flows of their "

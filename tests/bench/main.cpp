@@ -1,6 +1,7 @@
 // The results, as Markdown on the standard output: the machine, the tables, and last the ratios of Google Benchmark's
-// measurements within the run, the smallest of interleaved repetitions of each. What is measured is told on the way, on
-// the standard error. --table=NAME prints that table alone, --row=TEXT of a table of scenes those whose title has it.
+// measurements within the run, the smallest of interleaved repetitions of each. The standard error reports the
+// progress. --table=NAME prints that table alone; --row=TEXT, of a table of scenes, only the rows whose title contains
+// TEXT.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -37,7 +38,8 @@ class Reporter final : public benchmark::ConsoleReporter {
       if (run.run_type == Run::RT_Iteration && !run.error_occurred) {
         const std::string name =
             run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
-        // Processor time, which other work on the machine disturbs least; real time where threads talk to each other.
+        // Processor time, because other work on the machine disturbs it least; real time where threads wait for each
+        // other.
         const bool real = run.run_name.time_type == "real_time";
         const double ns = (real ? run.GetAdjustedRealTime() : run.GetAdjustedCPUTime()) *
                           benchmark::GetTimeUnitMultiplier(benchmark::kNanosecond) /
@@ -61,7 +63,8 @@ std::string processor() {
   return "an unnamed processor";
 }
 
-/// Which machine, compiler and commit, and when: numbers mean nothing without. LEAST_COMMIT is set by ./dev bench.
+/// where_and_when() prints the machine, compiler, commit and date: numbers mean nothing without them. LEAST_COMMIT is
+/// set by ./dev bench.
 void where_and_when() {
   char date[32];
   const std::time_t now = std::time(nullptr);
@@ -87,7 +90,7 @@ void ratios(const std::map<std::string, double>& least, const std::map<std::stri
   }
 }
 
-/// All measurements of Google Benchmark and what they say of each other.
+/// measurements() runs all benchmarks of Google Benchmark and prints the ratios between them.
 void measurements() {
   Reporter reporter;
   reporter.SetOutputStream(&std::cerr);
@@ -101,7 +104,7 @@ constexpr std::pair<std::string_view, void (*)()> tables[] = {
     {"planets", bench::planets},   {"scenes", bench::scenes}, {"derivatives", bench::derivatives},
     {"warnings", bench::warnings}, {"auto", bench::advice},   {"ratios", measurements}};
 
-/// The value of an argument of ours, which is taken out of them; empty where there is none.
+/// take() removes an argument that begins with `key` and returns its value; empty where there is none.
 std::string take(std::vector<char*>& arguments, std::string_view key) {
   for (std::size_t i = 1; i < arguments.size(); ++i)
     if (const std::string_view argument = arguments[i]; argument.starts_with(key)) {
@@ -143,7 +146,7 @@ int main(int argc, char** argv) {
   char interleave[] = "--benchmark_enable_random_interleaving=true", repeat[] = "--benchmark_repetitions=9",
        brief[] = "--benchmark_report_aggregates_only=false", time[] = "--benchmark_min_time=0.05";
   arguments.insert(arguments.begin() + 1,
-                   {interleave, repeat, brief, time});  // what the caller says comes later and wins
+                   {interleave, repeat, brief, time});  // arguments of the caller come later and win
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;

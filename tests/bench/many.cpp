@@ -20,7 +20,7 @@ using namespace least;
 
 constexpr double h = 1e-4, softening = 0.01;
 
-/// A coordinate as the runs begin; all of them are at rest.
+/// start() returns coordinate i at the start; all bodies are at rest.
 double start(std::size_t i) { return std::sin(7.3 * static_cast<double>(i)); }
 
 std::shared_ptr<const Mechanics> scene(text::TypedScene typed) {
@@ -47,7 +47,7 @@ std::shared_ptr<const Mechanics> chain(std::size_t count) {
   return scene(std::move(typed));
 }
 
-/// The slopes of those potentials by hand.
+/// The gradients of these potentials, by hand.
 struct PairsByHand {
   std::size_t count;
   void operator()(const double* q, double* slope) const {

@@ -1,4 +1,4 @@
-// Scenes with their true states, and our schemes as contestants on them.
+// Scenes with their true states, and our schemes as contestants on these scenes.
 #pragma once
 
 #include <memory>
@@ -10,20 +10,21 @@
 
 namespace bench {
 
-/// A scene with its true states at 64 times that follow the motion, dense where that is fast. The last is the end.
+/// TrueOrbit is a scene with its true states at 64 times, dense where the motion is fast. The last time is the end.
 struct TrueOrbit {
-  least::Request scene;  ///< up to where the motion goes
+  least::Request scene;  ///< its end is where the motion ends, if that is earlier
   std::vector<double> times;
   std::shared_ptr<const least::Truth> truth;
-  double floor;  ///< errors below mean nothing
+  double floor;  ///< the uncertainty of the true states: smaller errors mean nothing
 
   explicit TrueOrbit(const least::Request& of);
   std::size_t variables() const { return truth->states.front().size(); }
-  /// The largest of all times, of states in a row; not finite where one is not, or missing.
+  /// error() returns the largest error at all times of `states`, which are in a row; not finite where a state is not
+  /// finite or missing.
   double error(std::span<const double> states) const;
 };
 
-/// Refined by its own dial; outlived by the orbit.
+/// ours() returns one of our schemes as a contestant, refined by its own accuracy setting. The orbit must outlive it.
 Contestant ours(const TrueOrbit& orbit, const least::SchemeConfig& choice);
 
 }  // namespace bench

@@ -1,5 +1,5 @@
-// Compiled for each instruction set, whose registers have LEAST_LANE_BYTES. All types are local to such a unit, so that
-// a linker takes nothing of them for others.
+// This file is compiled once for each instruction set, with LEAST_LANE_BYTES bytes a register. All types are local to
+// the file, so that the linker does not mix up code for different instruction sets.
 #include "tests/bench/peer_lanes.hpp"
 
 #include <immintrin.h>

@@ -1,11 +1,12 @@
-// An ensemble as one would write it with Boost.Odeint: its velocity_verlet on arrays of registers, eight in flight, for
-// Kepler's problem.
+// An ensemble as one would write it with Boost.Odeint: its velocity_verlet on arrays of registers, eight registers of
+// members at a time, for Kepler's problem.
 #pragma once
 
 #include <cstdint>
 
-/// So many members at least, so many steps of the length h each, from about (0, -4) with (-0.1, -0.1), in registers of
-/// so many bytes: 64 or 32. A number that depends on all of them.
+/// odeint_members() moves at least `members` members from about (0, -4) with momenta (-0.1, -0.1) by `steps` steps of
+/// length h, in registers of 64 or 32 bytes. It returns a number that depends on all of them, so that nothing is
+/// optimized away.
 template <int Bytes>
 double odeint_members(std::int64_t members, std::int64_t steps, double h);
 template <>

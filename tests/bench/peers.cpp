@@ -40,14 +40,14 @@ namespace odeint = boost::numeric::odeint;
 
 constexpr std::int64_t most_forces = 2'000'000;
 
-/// How a solver is set up.
+/// Setup configures a solver.
 struct Setup {
   double first_step;
   double by_rate;  ///< errors are relative to |y| + by_rate h|ẏ|
   double tolerance = 0;
 };
 
-/// The problem's own equations of motion, in what the motion needs and nothing else, on plain arrays.
+/// Motion is the problem's equations of motion on plain arrays, with only the variables that they depend on.
 template <class P>
 struct Motion {
   using X = StateOf<P>;
@@ -79,13 +79,14 @@ using Fehlberg78 = odeint::runge_kutta_fehlberg78<Y>;
 template <class Y>
 using DormandPrince5 = odeint::runge_kutta_dopri5<Y>;
 
-/// The states at the times that are asked for.
+/// Out collects the states at the requested times.
 class Out {
  public:
   Out(std::span<const double> times, double* states) : times_(times), begin_(states), end_(states) {}
 
-  /// After a step from the time `from` to (t, y): those within it by shorter steps, move(y, ahead), and the one at its
-  /// end. The run goes on as if nobody had asked.
+  /// put() is called after a step from the time `from` to (t, y). It records the state at every requested time in this
+  /// step: within the step by move(at, ahead), a shorter step aside, at its end by y itself. The run is not changed by
+  /// it.
   template <class Y, class Move>
   void put(double from, double t, const Y& y, Move&& move) {
     for (; next_ < times_.size() && times_[next_] <= t; ++next_) {
@@ -94,7 +95,7 @@ class Out {
       end_ = std::copy(at.begin(), at.end(), end_);
     }
   }
-  /// All of them are there, and finite.
+  /// good() says whether all states are there, and finite.
   bool good() const {
     return next_ == times_.size() && std::all_of(begin_, end_, [](double x) { return std::isfinite(x); });
   }
@@ -105,14 +106,14 @@ class Out {
   double *begin_, *end_;
 };
 
-/// Odeint's error control in a bare loop, the fastest way to drive it. Left to itself the compiler calls the equations
-/// of motion, which costs more than they do.
+/// solve() drives Odeint's error control in a bare loop, the fastest way. `flatten` is needed: without it the compiler
+/// does not inline the equations of motion, and the calls cost more than the equations.
 template <template <class> class Pair, class P>
 [[gnu::flatten]] std::int64_t solve(const Motion<P>& motion, const Setup& setup, std::span<const double> times,
                                     double* states) {
   using Y = typename Motion<P>::Y;
   using Stepper = odeint::controlled_runge_kutta<Pair<Y>>;
-  static const Pair<Y> blank{};  // static: its scratch is zero, and copies of it are of something
+  static const Pair<Y> blank{};  // static: its scratch arrays are zero, so that copies of it read nothing uninitialized
   Stepper stepper(typename Stepper::error_checker_type(setup.tolerance, setup.tolerance, 1, setup.by_rate), {}, blank);
   std::int64_t forces = 0;
   const auto rate = [&](const Y& y, Y& dy, double t) { motion.rate(t, y.data(), dy.data()); };
@@ -145,7 +146,7 @@ Solver with_odeint(const Motion<P>& motion, const Setup& setup) {
 }
 
 #ifdef LEAST_HAS_GSL
-/// GSL's driver, which a run resets and does not allocate.
+/// GslRun is GSL's driver, which a run resets instead of allocating it again.
 template <class P>
 class GslRun {
  public:
@@ -220,7 +221,7 @@ std::vector<Peer> peers_of(const Request& scene) {
   add("fehlberg_78", &with_odeint<Fehlberg78, P<double>>);
   add("dormand_prince_5", &with_odeint<DormandPrince5, P<double>>);
 #ifdef LEAST_HAS_GSL
-  gsl_set_error_handler_off();  // it would end the process
+  gsl_set_error_handler_off();  // else an error would end the process
   add("rk8pd", &with_gsl<P<double>>);
 #endif
   return all;

@@ -1,4 +1,4 @@
-// Solvers of other libraries on our scenes, as one would use them by hand: what ours are measured against.
+// Solvers of other libraries on our scenes, used as one would use them by hand: ours are measured against them.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,20 @@
 
 namespace bench {
 
-/// Runs from the start to the last of the increasing times; `states` receives the components of the state at each, by a
-/// shorter step of its own where it lies within a step. How many force evaluations the run took, without those shorter
-/// steps; 0: it gave up, or came to what is not finite.
+/// Solver runs from the start to the last of the increasing times and writes the components of the state at each time
+/// to `states`; a time within a step is reached by a shorter step aside. It returns the number of force evaluations
+/// without those shorter steps; 0 where it gave up or a state is not finite.
 using Solver = std::function<std::int64_t(std::span<const double> times, double* states)>;
 
 struct Peer {
-  std::string_view name;                             ///< fehlberg_78 | dormand_prince_5 | rk8pd
-  std::function<Solver(double tolerance)> prepared;  ///< the tolerance of a step, absolute and relative alike
+  std::string_view name;  ///< fehlberg_78 | dormand_prince_5 | rk8pd
+  std::function<Solver(double tolerance)>
+      prepared;  ///< the tolerance of the error of a step, absolute and relative alike
 };
 
-/// Boost.Odeint's, and GSL's where there is one. Of one name there may be several: ways to configure it. A scene that
-/// starts where its equations of motion are singular begins where its series ends, which is before the first time.
+/// peers() returns the solvers of Boost.Odeint, and of GSL where it is installed. Several have the same name: they are
+/// configured differently. A scene whose equations of motion are singular at its start begins where its series ends,
+/// which is before the first time.
 std::vector<Peer> peers(const least::Request& scene);
 
 }  // namespace bench

@@ -1,5 +1,5 @@
-// Table of RESULTS.md: Wisdom and Holman's splitting, by kepler_splitting, on the outer solar system, against what it
-// was made to beat. Printed before the benchmarks.
+// Table of RESULTS.md: Wisdom and Holman's splitting, as kepler_splitting, on the outer solar system, against WHFast
+// and other schemes. Printed before the benchmarks.
 #include <algorithm>
 #include <cstdio>
 #include <limits>
@@ -18,7 +18,8 @@ namespace {
 using namespace least;
 
 constexpr double days = 1e7;
-/// Of REBOUND's WHFast over as many days in steps of 100, on a machine as the one that the goals were set on.
+/// Time and error of REBOUND's WHFast over the same `days` in steps of 100, on a machine like the one that the goals
+/// were set on.
 constexpr double whfast_ms = 134, whfast_error = 2.2e-8;
 
 Request request_of(const std::shared_ptr<const Mechanics>& mechanics, std::string_view scheme, double step) {
@@ -31,7 +32,7 @@ Request request_of(const std::shared_ptr<const Mechanics>& mechanics, std::strin
   return request;
 }
 
-/// Milliseconds of a run, the least of five.
+/// time_of() returns the milliseconds of a run, the least of five.
 double time_of(const Request& request) {
   double seconds = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 5; ++k) seconds = std::min(seconds, runs::go(request).outcome.cost.seconds);
@@ -42,7 +43,7 @@ double error_of(Request request) {
   return runs::number(runs::go(request).outcome.diagnostics, "energy/max_rel_error");
 }
 
-/// A row; `goal`: milliseconds, 0: none.
+/// row() prints a row; `goal` is in milliseconds, 0: none.
 void row(const std::string& name, const Request& request, double step, double error, double goal) {
   const double ms = time_of(request);
   char judged[64] = "–";

@@ -1,5 +1,5 @@
-// Requests a second on eight connections in a closed loop, beside a server on bare sockets that reads nothing, computes
-// nothing and answers a text of the same kind.
+// Requests a second on eight connections in a closed loop, compared with a server on bare sockets that parses and
+// computes nothing and always sends the same short answer.
 #include <arpa/inet.h>
 #include <benchmark/benchmark.h>
 #include <netinet/in.h>
@@ -34,7 +34,7 @@ sockaddr_in loopback(int port) {
   return address;
 }
 
-// Sockets and the events on them.
+// Sockets owns sockets and waits for events on them.
 class Sockets {
  public:
   Sockets() = default;
@@ -53,7 +53,8 @@ class Sockets {
     ::epoll_ctl(epoll_, EPOLL_CTL_ADD, socket, &event);
     all_.push_back(socket);
   }
-  // Answers whatever comes, on every socket of which something does; how often it did, -1 where one was closed.
+  // answer() waits up to 100 ms and sends `text` on every socket that has received something. It returns the number of
+  // these sockets, or -1 where a connection is closed.
   int answer(std::string_view text) {
     const int n = ::epoll_wait(epoll_, events_.data(), static_cast<int>(events_.size()), 100);
     for (int i = 0; i < n; ++i) {
@@ -72,7 +73,7 @@ class Sockets {
   std::array<epoll_event, 64> events_{};
 };
 
-// The measure.
+// Bare is the bare server that ours is measured against.
 class Bare {
  public:
   Bare() {
@@ -100,7 +101,7 @@ class Bare {
   std::jthread thread_;
 };
 
-// One iteration is about a thousand answers.
+// One iteration waits for about a thousand answers.
 void ask_on_and_on(benchmark::State& state, int port, std::string_view request) {
   Sockets sockets;
   const sockaddr_in address = loopback(port);
@@ -144,7 +145,7 @@ std::string simulate(const std::string& body) {
          "\r\n\r\n" + body;
 }
 
-// Everything but a run and its answer: the request is read, and refused.
+// Everything but a run and its answer: the request is read and refused.
 void no_run(benchmark::State& state) {
   ours(state, simulate(R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":0}})"));
 }

@@ -1,5 +1,5 @@
-// Table of RESULTS.md: the scenes of the catalogue that are data, by what keeps their structure, by `taylor` and by the
-// measures. Printed before the benchmarks.
+// Table of RESULTS.md: the scenes of the catalogue that are defined as text, by schemes that keep their structure, by
+// `taylor` and by the schemes they are measured against. Printed before the benchmarks.
 #include <cstdio>
 #include <map>
 #include <string>
@@ -15,7 +15,7 @@ namespace {
 using namespace least;
 using namespace bench;
 
-constexpr double far = 30;  // what is so many times as dear as the cheapest is left out
+constexpr double far = 30;  // a scheme that costs so many times as much as the cheapest is left out
 
 std::string time_of(const std::map<Owner, const Entrant*>& best, Owner owner) {
   const auto found = best.find(owner);
@@ -25,7 +25,7 @@ std::string time_of(const std::map<Owner, const Entrant*>& best, Owner owner) {
   return text;
 }
 
-/// Over its own span.
+/// rows() prints the rows of a scene, over its own span.
 void rows(const std::shared_ptr<const Mechanics>& mechanics) {
   const ProblemCard& card = mechanics->card();
   if (!is_wanted(card.id)) return;
@@ -76,5 +76,5 @@ void bench::scenes() {
       "the fastest scheme that keeps the structure, by `taylor`, and by the fastest of the measures.\n\n"
       "| scene | span | error | keeps structure | µs | `taylor` | measures |\n|---|---|---|---|---|---|---|\n");
   for (const server::TextProblem& problem : server::text_problems())
-    if (problem.events.empty()) rows(problem.mechanics);  // what acts is no matter of the errors here
+    if (problem.events.empty()) rows(problem.mechanics);  // errors here are those of motions without events that act
 }

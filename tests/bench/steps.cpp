@@ -1,4 +1,4 @@
-// A step of ours against the loop one would write by hand, and against Boost.Odeint's velocity_verlet.
+// A step of ours against a loop written by hand, and against Boost.Odeint's velocity_verlet.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -18,7 +18,7 @@ namespace {
 constexpr std::int64_t steps = 1'000'000;
 constexpr double h = 0.01;
 
-// The same map as leapfrog of ours: kick, drift, kick, the force re-used from step to step.
+// The same map as our leapfrog: kick, drift, kick, with the force re-used from step to step.
 [[gnu::noinline]] std::array<double, 2> harmonic_by_hand(double q, double p, double mass, double stiffness,
                                                          std::int64_t n) {
   const double half = h / 2, rate = h / mass;
@@ -62,7 +62,7 @@ constexpr double h = 0.01;
   return {x, y, px, py};
 }
 
-// Boost.Odeint on arrays, its fastest state.
+// Boost.Odeint on arrays, the fastest kind of state that it has.
 template <std::size_t N, class Force>
 void odeint(benchmark::State& state, std::array<double, N> q, std::array<double, N> p, Force force) {
   namespace ode = boost::numeric::odeint;
@@ -77,7 +77,8 @@ void odeint(benchmark::State& state, std::array<double, N> q, std::array<double,
   state.counters["units"] = steps;
 }
 
-/// What has a tolerance in place of a step keeps its own: with one of the size of h an orbit does not last.
+/// A scheme with a tolerance in place of a step keeps its default: with a tolerance as large as h the orbit would not
+/// last.
 least::Request bare(std::string_view problem, std::string_view scheme = "leapfrog") {
   least::Request request = runs::defaults(problem, scheme);
   request.until_steps = true;
@@ -97,8 +98,8 @@ void ours(benchmark::State& state, const least::Request& request, std::int64_t s
   state.counters["units"] = static_cast<double>(request.steps * substeps);
 }
 
-// The hybrid on an orbit whose kinetic energy is never below K_c, so that every step moves a coordinate: of order 2 one
-// substep a step, of order 4 five.
+// The hybrid on an orbit whose kinetic energy is never below K_c, so that every step moves a coordinate: at order 2
+// with one substep a step, at order 4 with five.
 least::Request along_a_coordinate(int order) {
   least::Request request = bare("kepler", "jacobi_maupertuis");
   request.steps = 100'000;
@@ -117,7 +118,7 @@ template <class Hand>
 void by_hand(const std::string& problem, Hand hand) {
   add("hand/" + problem, [hand](benchmark::State& state) {
     for (auto _ : state) {
-      auto end = hand(state.iterations() < 0 ? 0 : steps);  // not a constant to the compiler
+      auto end = hand(state.iterations() < 0 ? 0 : steps);  // so that the compiler does not take it for a constant
       benchmark::DoNotOptimize(end);
     }
     state.counters["units"] = steps;

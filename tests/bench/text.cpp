@@ -59,7 +59,7 @@ const bool registered_texts = [] {
     add_run("text/" + name, texts::typed_as(compiled, texts::mechanics_of(typed(row.id).definition)));
     bench::compare(name + ": text, compiled", "text/" + name, "compiled/" + name, row.goal);
   }
-  // From the text to a run of one step, which is more than the first step.
+  // From the text to the end of a run of one step, which is a little more than to the first step.
   benchmark::RegisterBenchmark("text/first step", [](benchmark::State& state) {
     for (auto _ : state) {
       const Request one = bare_request("kepler", "leapfrog", nullptr, 1);

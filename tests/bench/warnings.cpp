@@ -1,4 +1,4 @@
-// Table of RESULTS.md: whether runs say of themselves what is true, over random scenes at coarse settings.
+// Table of RESULTS.md: whether the warnings of runs are right, over random scenes at coarse settings.
 #include <cstdio>
 
 #include "tests/bench/table.hpp"
@@ -7,7 +7,7 @@
 
 namespace {
 
-/// Rows of what runs at their defaults say of forces narrower than a step.
+/// narrow_rows() prints how often schemes at their defaults are right about forces narrower than a step.
 void narrow_rows() {
   constexpr int drawn = 60;
   std::printf(

@@ -1,4 +1,4 @@
-// What the way from request to response costs beside the integration, and JSON beside a nlohmann tree.
+// The cost of the way from request to response beside the integration, and our JSON against a tree of nlohmann's.
 #include <benchmark/benchmark.h>
 #include <httplib.h>
 #include <spdlog/spdlog.h>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace least;
 
-// One POST over a socket of the loopback, 1e6 steps and 1,000 samples, answered as JSON.
+// One POST through a socket of the loopback interface: 1e6 steps and 1,000 samples, answered as JSON.
 void end_to_end(benchmark::State& state) {
   spdlog::set_level(spdlog::level::off);  // the standard output is for the results
   server::Settings settings;
@@ -36,7 +36,7 @@ void end_to_end(benchmark::State& state) {
   service.stop();
 }
 
-// 1e5 samples of five columns that exist already.
+// Ready holds 1e5 samples of five columns that exist already.
 struct Ready {
   Request request;
   Samples samples;
@@ -65,7 +65,7 @@ void json_ours(benchmark::State& state) {
 
 constexpr const char* names[] = {"t", "x", "y", "px", "py"};
 
-// The tree as its shape suggests: each number pushed where it belongs.
+// The tree filled as its shape suggests: each number is pushed to its column.
 void json_tree(benchmark::State& state) {
   const Samples& samples = ready().samples;
   for (auto _ : state) {
@@ -77,7 +77,7 @@ void json_tree(benchmark::State& state) {
   state.counters["units"] = static_cast<double>(samples.values.size());
 }
 
-// The tree at its best: arrays filled apart, then moved in.
+// The fastest way to fill the tree: arrays are filled apart and then moved in.
 void json_moved(benchmark::State& state) {
   const Samples& samples = ready().samples;
   for (auto _ : state) {

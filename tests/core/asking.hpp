@@ -1,4 +1,4 @@
-// A run that is asked for one diagnostic, and what it says.
+// Runs that ask for one diagnostic, and what the diagnostic says.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ inline double ask(const Request& request, std::string_view path) {
   EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << result.outcome.stop.detail;
   return runs::number(result.outcome.diagnostics, path);
 }
-/// A text of the report by its path; empty where there is none.
+/// word() returns the text of a report by its path; empty where that report is not a text. It throws where there is no
+/// such report.
 inline std::string word(const std::vector<Report>& reports, std::string_view path) {
   const auto slash = path.find('/');
   for (const auto& report : reports)

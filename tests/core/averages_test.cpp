@@ -1,4 +1,4 @@
-// Averages over time, and cycles: what repeats, and whether it does yet.
+// Averages over time, and limit cycles: what they are, and whether they have converged.
 #include <cmath>
 
 #include "tests/core/asking.hpp"
@@ -10,8 +10,8 @@ using namespace asks;
 
 const char* const moments[] = {"q2", "p2", "p4", "s2"};
 
-/// Averages over the time of a trajectory in steps so short that the trapezoidal rule is as good as exact: of ρ, over τ
-/// with weight ρ^{1−κ}, and over the physical time, dt = ρ^κ dτ.
+/// averages() returns averages over a trajectory in steps so short that the trapezoidal rule is as good as exact: of ρ,
+/// over τ with weight ρ^{1−κ}, and over the physical time, dt = ρ^κ dτ.
 std::array<std::array<double, 4>, 2> averages(double kappa, double end) {
   Request request = runs::defaults("thermostat", "runge_kutta_4");
   runs::set(request, "scale", 1);
@@ -62,7 +62,7 @@ TEST(Moments, AreAveragesOverTimeWhateverTheSteps) {
   }
 }
 
-/// Most of the run lies in its last, shorter step.
+/// Most of the run lies in its last step, which is shorter than the others.
 TEST(Moments, SeeTheStepToTheEnd) {
   Request request = asking("thermostat", "runge_kutta_4", "moments");
   runs::set(request, "scale", 1);

@@ -1,4 +1,4 @@
-// Columns that follow from a scene's form: elements of an orbit, angles brought into one turn.
+// Columns that follow from a scene's form: elements of an orbit, and angles reduced to one turn.
 #include "core/run/columns.hpp"
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 using namespace least;
 using namespace asks;
 
-/// The columns of this name, one after the other, of every row.
+/// with_columns() runs the request with the columns of these names and returns every row.
 std::vector<std::vector<double>> with_columns(Request request, std::initializer_list<std::string_view> names) {
   request.columns.clear();
   request.record.count = 1;
@@ -22,7 +22,7 @@ std::vector<std::vector<double>> with_columns(Request request, std::initializer_
 }
 constexpr double pi = std::numbers::pi;
 
-// L = L₀ exp(−∫α sin Ωt dt), whatever the orbit; the ellipse breathes with it.
+// L = L₀ exp(−∫α sin Ωt dt), whatever the orbit; the ellipse grows and shrinks with L.
 TEST(Columns, SayTheElementsOfAnOrbitWithDrag) {
   Request request = runs::defaults("perturbed_kepler", "contact_splitting");
   runs::set(request, "composition", "kahan_li_8");
@@ -69,7 +69,7 @@ TEST(Columns, SayTheElementsInSpaceAndNoPeriapsisOfACircle) {
 
 TEST(Columns, BringAnglesIntoOneTurn) {
   Request request = runs::defaults("pendulum", "leapfrog");
-  runs::scene(request).initial = {0, 3};  // it goes round
+  runs::scene(request).initial = {0, 3};  // the pendulum rotates
   const auto rows = with_columns(request, {"q", "q_wrapped"});
   EXPECT_GT(rows.back()[0], 50);
   for (const auto& row : rows) {

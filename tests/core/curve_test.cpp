@@ -1,4 +1,4 @@
-// record.curve: samples that lie evenly along the curve in the space of the columns asked for.
+// record.curve: samples at equal distances along the curve in the space of the columns asked for.
 #include "core/run/curve.hpp"
 
 #include <cmath>
@@ -21,7 +21,7 @@ Request drawing(std::string_view problem, std::string_view scheme, std::int64_t 
         runs::position(runs::card(request).columns, name, [](const auto& column) { return column.name; }));
   return request;
 }
-/// The longest and the shortest way between neighbours, in units of the mean.
+/// distances() returns the longest and the shortest distance between neighbours, in units of the mean.
 std::pair<double, double> distances(const Rows& rows, std::size_t first = 1) {
   double least = 1e300, most = 0, sum = 0;
   for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -65,7 +65,7 @@ TEST(Curve, IsEvenWhateverTheSteps) {
   }
 }
 
-// On the orbit, not on chords between steps.
+// The samples lie on the orbit, not on chords between steps.
 TEST(Curve, IsMadeOfStatesOfTheMotion) {
   Request request = drawing("harmonic_oscillator", "dormand_prince_5", 300, {"q", "p", "energy", "error"});
   runs::set(request, "tolerance", 1e-10);
@@ -88,7 +88,7 @@ TEST(Curve, OfOneStepHasAllItsSamples) {
   }
 }
 
-// The time is no part of the space, unless there is nothing else.
+// The time is not a coordinate of the space, unless there is no other column.
 TEST(Curve, OfWhatDoesNotMoveIsThereToo) {
   Request request = drawing("pendulum", "leapfrog", 50, {"t", "q"});
   runs::begin(request, "q", 0);
@@ -138,7 +138,7 @@ TEST(Curve, SeesSwingsWithinLongSteps) {
   const auto result = runs::go(request);
   EXPECT_LT(result.outcome.cost.steps, 700);
   ASSERT_EQ(result.rows.size(), 2000U);
-  double least = 1, most = 1;  // of |q| where it turns, among neighbours on both sides
+  double least = 1, most = 1;  // of |q| at its turning points, among the samples
   for (std::size_t i = 1; i + 1 < result.rows.size(); ++i) {
     const double before = result.rows[i - 1][1], q = result.rows[i][1], after = result.rows[i + 1][1];
     if ((q - before) * (after - q) < 0) least = std::min(least, std::abs(q));
@@ -160,7 +160,7 @@ TEST(Run, ThatStopsInAStepBeyondItsEndStopsBefore) {
   EXPECT_LE(result.outcome.t, 1);
 }
 
-// However long the run, a bounded number of rows is held, and what comes first is not seen better than what comes last.
+// However long the run, a bounded number of rows is held, and the beginning is not sampled more densely than the end.
 TEST(Curve, OfALongRunIsEven) {
   Request request = drawing("kepler", "leapfrog", 100, {"t", "x", "y"});
   request.end = runs::scene(request).start + 2000;
@@ -169,7 +169,8 @@ TEST(Curve, OfALongRunIsEven) {
   EXPECT_NEAR(rows[50][0] - rows[0][0], 1000, 60);
 }
 
-// A run of ten thousand steps whose length is known is not looked at closer at first than it can be held in the end.
+// If the length of a run of ten thousand steps is known, it is not sampled more densely at first than the rows that are
+// kept in the end need.
 TEST(CurveThinner, LooksNoCloserThanTheWholeNeeds) {
   CurveThinner known(100), unknown_end(100);
   const auto rows = [](CurveThinner& thinner, bool told) {
@@ -184,7 +185,7 @@ TEST(CurveThinner, LooksNoCloserThanTheWholeNeeds) {
   };
   EXPECT_LE(rows(known, true), 15000U);
   EXPECT_GE(rows(unknown_end, false), 30000U);
-  // One that ends early has rows enough all the same.
+  // A run that ends early has enough rows all the same.
   CurveThinner early(100);
   for (std::size_t k = 0, parts = early.parts(1, 1e-6); k < parts; ++k) early.add(1 / double(parts));
   EXPECT_EQ(early.choose().size(), 100U);

@@ -1,4 +1,4 @@
-// The law of decay along a run: what the scheme does to it, and nothing else.
+// The law of decay along a run: the residual is that of the scheme, and nothing else.
 #include <cmath>
 #include <numbers>
 
@@ -16,7 +16,7 @@ Request driven(std::string_view scheme, double frequency, double h) {
   return request;
 }
 
-// A fast drive under long steps of order 10: the states are right to 2e-13.
+// A fast drive with long steps of order 10: the states are right to 2e-13.
 TEST(Decay, HasNoErrorOfItsOwn) {
   Request request = driven("contact_splitting", 5, 0.2);
   runs::set(request, "composition", "sofroniou_spaletta_10");
@@ -36,7 +36,7 @@ TEST(Decay, HasNoErrorOfItsOwn) {
   EXPECT_LT(ask(varying, "decay/max_residual"), 1e-11);
 }
 
-// Many short steps of order 10 do nothing to the law but round.
+// With many short steps of order 10 the only residual is that of rounding.
 TEST(Decay, SaysWhatRoundingMakesOfIt) {
   for (const char* problem : {"damped_oscillator", "driven_oscillator"})
     for (const double h : {0.05, 0.01, 0.002}) {
@@ -50,7 +50,8 @@ TEST(Decay, SaysWhatRoundingMakesOfIt) {
     }
 }
 
-/// The largest change of H eᴬ − G along a trajectory, G by Simpson's rule over pairs of steps.
+/// The reported residual is the largest change of H eᴬ − G along a trajectory, here with G by Simpson's rule over pairs
+/// of steps.
 TEST(Decay, IsWhatTheSchemeDoesToTheLaw) {
   for (const char* scheme : {"contact_leapfrog", "contact_variational_midpoint"}) {
     Request request = driven(scheme, 2, 0.002);

@@ -1,4 +1,4 @@
-// What the compiler finds of a problem's time and energy, against the problem's own equations: for every problem.
+// Whether a problem depends on time and keeps its energy, as the compiler finds it, against the problem's equations.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct Pendulum0 {
 };
 static_assert(Autonomous<Pendulum0> && KeepsEnergy<Pendulum0>);
 
-/// A drive that is switched off by its default: the form counts.
+/// A drive whose default amplitude is zero: the form decides, not the value.
 template <class R = double>
 struct Still {
   R amplitude{0};
@@ -39,7 +39,7 @@ struct Still {
 static_assert(Conservative<Still<>> && !Autonomous<Still<>> && !KeepsEnergy<Still<>>);
 static_assert(!Autonomous<Still<Dual<double, 1>>>, "whatever the parameters are made of");
 
-/// The time in a comparison only, and by way of a phase.
+/// The time occurs in a comparison only, by way of a phase.
 struct Switched {
   static constexpr int dof = 1;
   template <class S>
@@ -57,7 +57,7 @@ struct Switched {
 };
 static_assert(Conservative<Switched> && !Autonomous<Switched>);
 
-/// In a gradient by hand only, where it is as wrong as in the potential.
+/// The time occurs in a hand-written gradient only; there it is as wrong as in the potential.
 struct ByHand : Pendulum0 {
   template <class T, class S>
   constexpr Vec<1, T> gradient(const Vec<1, T>& q, const S& t) const {
@@ -89,7 +89,7 @@ static_assert(Flow<Pushed> && !Autonomous<Pushed>);
 
 // ── every problem of the catalogue ──────────────────────────────────────────────────────────────────────────────────
 
-/// The card's start, moved off whatever is special about it.
+/// somewhere() returns the card's start, moved away from special values, at the time t.
 template <template <class> class P>
 FullStateOf<P<double>> somewhere(double t) {
   FullStateOf<P<double>> x;
@@ -103,7 +103,7 @@ inline void shift(double& parameter) { parameter += 0.05; }
 template <class Choice>
 void shift(Choice&) {}
 
-/// Its parameters too: a drive that is off by default counts.
+/// off_default() moves the parameters away from their defaults, too: a drive that is off by default counts.
 template <template <class> class P>
 P<double> off_default() {
   P<double> problem;

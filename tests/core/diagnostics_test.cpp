@@ -1,4 +1,4 @@
-// Diagnostics against what they should say: the paper's orbit, and runs whose errors are known.
+// Diagnostics against values that are known: those of the paper's orbit, and of runs whose errors are known.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,10 +20,11 @@ TEST(Orbit, LeapfrogTurnsThePapersEllipse) {
   for (const auto& [h, rotation] : {std::pair{0.01, 0.0454}, std::pair{0.005, 0.0117}}) {
     Request request = asking("kepler", "leapfrog", "orbit");
     request.settings[0] = h;
-    request.end = 1.2 * period;  // it turns against the motion: the direction of the start is reached a little later
+    request.end =
+        1.2 * period;  // the ellipse turns against the motion: the direction of the start is reached a little later
     EXPECT_EQ(ask(request, "orbit/revolutions"), 1);
     EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), rotation, 0.02 * rotation) << h;
-    request.end = 11.5 * period;  // the mean of ten and more is the same
+    request.end = 11.5 * period;  // the mean of ten and more revolutions is the same
     EXPECT_GE(ask(request, "orbit/revolutions"), 10);
     EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), rotation, 0.02 * rotation) << h;
     EXPECT_NEAR(ask(request, "orbit/eccentricity"), 0.96083297, 1e-3);
@@ -47,7 +48,7 @@ TEST(Orbit, IsTheSameMirroredTurnedAndInSpace) {
   EXPECT_NEAR(ask(space, "orbit/apsidal_rotation"), -plane, 1e-8) << "about L, along which the motion is positive";
 }
 
-// Steps that are long where the body is slow turn by most of a revolution at a close passage.
+// Steps that are long where the body is slow sweep most of a revolution at a close passage.
 TEST(Orbit, CountsRevolutionsWhateverAStepTurns) {
   for (const double e : {0.0, 0.9, 0.9999, 0.99999}) {
     Request request = asking("kepler", "time_transformed", "orbit");
@@ -63,7 +64,7 @@ TEST(Orbit, CountsRevolutionsWhateverAStepTurns) {
   }
 }
 
-// A circle's series converges everywhere: steps of more than a revolution.
+// The series of a circular orbit converges everywhere: steps are longer than a revolution.
 TEST(Orbit, CountsRevolutionsWithinAStep) {
   for (const double end : {20.5 * std::numbers::pi, 1.9 * std::numbers::pi}) {
     Request request = asking("kepler", "taylor", "orbit");
@@ -74,7 +75,7 @@ TEST(Orbit, CountsRevolutionsWithinAStep) {
     const auto run = runs::go(request);
     EXPECT_LT(double(run.outcome.cost.steps), 1 + end / (2 * std::numbers::pi)) << "steps are shorter than a turn";
     EXPECT_EQ(runs::number(run.outcome.diagnostics, "orbit/revolutions"), std::floor(end / (2 * std::numbers::pi)));
-    for (const char* expression : {"x-50", "t-5"}) {  // an end that never comes, and one within a step
+    for (const char* expression : {"x-50", "t-5"}) {  // an event that never comes, and one within a step
       MeasureReader reader(*request.scene);
       EXPECT_FALSE(reader.read("end", expression));
       Request watched = request;
@@ -134,8 +135,8 @@ TEST(Energy, StaysBoundedUnderLeapfrogAndDriftsUnderRungeKutta) {
   EXPECT_LT(ask(control, "energy/drift_per_time"), -1e-7) << "it loses energy";
 }
 
-// A drive changes the energy all the time: what it does within steps that are as long as the motion swings counts, and
-// for as long as it lasts. Against steps of a thousandth.
+// A drive changes the energy all the time: within steps as long as the motion oscillates, too, and in proportion to
+// their length. The values are compared with steps of a thousandth.
 TEST(Energy, OfADrivenMotionIsLookedAtWithinLongSteps) {
   const auto driven = [](const char* scheme) {
     Request request = asking("driven_oscillator", scheme, "energy");
@@ -181,7 +182,7 @@ TEST(Energy, OfTheOscillatorUnderExplicitEulerGrowsAsItMust) {  // by 1 + h² a 
   EXPECT_DOUBLE_EQ(ask(request, "energy/initial"), 0.5);
 }
 
-// On a parabola the energy is zero and its error is not.
+// On a parabola the energy is zero, and its error is not.
 TEST(Energy, ThatBeginsAtZeroIsHeldAgainstTheLargestKineticEnergy) {
   Request request = asking("kepler", "leapfrog", "energy");
   runs::scene(request).initial = {1, 0, 0, std::sqrt(2.0)};  // away from the centre: K is largest at the start
@@ -217,7 +218,7 @@ TEST(Structure, IsMeasuredNotDeclared) {
 
 TEST(Structure, IsThatOfTheStepsThatWereTaken) {
   Request request = asking("harmonic_oscillator", "runge_kutta_4", "structure");
-  request.settings[0] = 3;  // beyond the bound: no step is taken
+  request.settings[0] = 3;  // beyond the stability bound: no step is taken
   const auto none = runs::go(request);
   EXPECT_EQ(none.outcome.cost.steps, 0);
   EXPECT_TRUE(std::isnan(runs::number(none.outcome.diagnostics, "structure/max_defect")));
@@ -229,7 +230,7 @@ TEST(Structure, IsThatOfTheStepsThatWereTaken) {
   EXPECT_GE(runs::number(some.outcome.diagnostics, "structure/max_defect"), 0);
 }
 
-// H^−(n+1) η∧(dη)ⁿ is kept where H is a constant of the form and not zero; elsewhere there is nothing to measure.
+// H^−(n+1) η∧(dη)ⁿ is conserved only where H is conserved and not zero; elsewhere there is nothing to measure.
 TEST(Volume, HasNoResidualWhereThereIsNoInvariant) {
   for (const char* driven : {"driven_oscillator", "modulated_oscillator", "lane_emden", "perturbed_kepler"}) {
     Request request = asking(driven, "contact_splitting", "volume");
@@ -266,7 +267,7 @@ TEST(Error, OfTheOscillatorUnderLeapfrogIsItsPhaseError) {
 TEST(Error, ComesFromTheReferenceStatesWhereThereIsNoClosedForm) {
   Request request = asking("double_pendulum", "galerkin_4", "error");
   request.end = 20;
-  request.limits.seconds = 60;  // in half of which the truth is found under a sanitizer, too
+  request.limits.seconds = 60;  // half of it suffices for the true solution with a sanitizer, too
   const auto result = runs::go(request);
   const double reference[] = {-0.47540433018888473236, -0.35081662361852581039, -1.7417567272239908697,
                               -0.83762857573527496312};

@@ -1,5 +1,5 @@
-// Interval arithmetic: an enclosure holds what plain numbers give, its rates what differences give, and it says where
-// they give none.
+// Interval arithmetic: an enclosure contains the values of plain numbers and its derivatives their difference
+// quotients, and it says where there are none.
 #include "core/number/enclosure.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ struct Function {
   std::function<double(double)> plain;
   std::function<RateEnclosure(const RateEnclosure&)> enclosed;
 };
-/// `f`: what the expression calls.
+/// `f` is the function that the expression calls.
 #define LEAST_BOTH(f, expression) \
   [](const auto& x) {             \
     using std::f;                 \
@@ -75,7 +75,7 @@ TEST(Enclosures, HoldEveryValueAndSlope) {
         EXPECT_NE(f.value.defined, interval::Defined::nowhere) << name << " of " << x;
         EXPECT_TRUE(f.value.contains(y)) << name << " of " << x << " in " << low << " … " << high;
         const double h = 1e-6, ahead = plain(x + h), behind = plain(x - h), slope = (ahead - behind) / (2 * h);
-        const double off = 1e-3 * (1 + std::abs(slope));  // of the difference
+        const double off = 1e-3 * (1 + std::abs(slope));  // the error of the difference quotient
         if (std::isnan(slope) || std::abs(ahead - 2 * y + behind) / h > off) continue;
         EXPECT_TRUE(f.rate.low - off <= slope && slope <= f.rate.high + off)
             << name << "' at " << x << " in " << low << " … " << high << ": " << slope;
@@ -102,12 +102,12 @@ TEST(Enclosures, SayWhereNothingIsDefined) {
   EXPECT_EQ(tan(Enclosure(1, 2)).defined, Defined::partly);
   EXPECT_EQ(inverse(Enclosure(-1, 1)).defined, Defined::partly);
   EXPECT_EQ((sqrt(Enclosure(-2, -1)) + Enclosure(0, 1)).defined, Defined::nowhere);
-  // A pole from one side, and zero times what has no bound.
+  // A pole at an end of the interval, and zero times an unbounded interval.
   EXPECT_EQ(inverse(Enclosure(0, 2)).low, 0.5);
   EXPECT_TRUE((Enclosure(0, 1) * inverse(Enclosure(0, 2))).contains(3));
   EXPECT_TRUE((inverse(Enclosure(0, 2)) * Enclosure(0, 1)).contains(3));
   EXPECT_FALSE((Enclosure(0, 1) * inverse(Enclosure(0, 2))).contains(-1e-3));
-  // What overflows is bounded from below all the same.
+  // A value that overflows still has a lower bound.
   EXPECT_TRUE(exp(Enclosure(800, 900)).low > 1e300);
   const Enclosure square_of = Enclosure(-1e-3, 1e-3);
   EXPECT_EQ((square_of * square_of).low, 0) << "the factors are one number";

@@ -1,4 +1,4 @@
-// The largest error along a run against all of its steps, errors as a column, and the norm.
+// The largest error along a run against that of all its steps, errors as a column, and the norms.
 #include <cmath>
 #include <numbers>
 
@@ -13,7 +13,7 @@ using namespace asks;
 
 constexpr double turn = 2 * std::numbers::pi;
 
-/// An ellipse of half axis 1 from its periapsis.
+/// ellipse() requests a Kepler ellipse of semi-major axis 1 and eccentricity e from its periapsis.
 Request ellipse(std::string_view scheme, double e, double end) {
   Request request = asking("kepler", scheme, "error");
   runs::scene(request).initial = {1 - e, 0, 0, std::sqrt((1 + e) / (1 - e))};
@@ -30,7 +30,7 @@ struct Brute {
   double most = 0, at = 0;
   std::size_t times = 0;
 };
-/// Every step held against the truth, and so many states between every two.
+/// of_all_steps() compares every step with the true motion, and `between` states between every two steps.
 Brute of_all_steps(Request request, int between = 0) {
   request.diagnostics.clear();
   request.record.count = 1;
@@ -39,7 +39,7 @@ Brute of_all_steps(Request request, int between = 0) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (int k = i > 0 ? -between : 0; k <= 0; ++k)
       times.push_back(rows[i][0] + (k < 0 ? k * (rows[i][0] - rows[i - 1][0]) / (between + 1) : 0));
-  if (request.end > times.back()) times.push_back(request.end);  // no step may end there
+  if (request.end > times.back()) times.push_back(request.end);  // the last step may not end there
   runs::at_times(request, times);
   rows = runs::go(request).rows;
   const Truth truth = request.scene->mechanics->truth(*request.scene, times, [] { return true; });
@@ -75,7 +75,7 @@ TEST(LargestError, IsThatOfAllSteps) {
   const Request adaptive[] = {with(ellipse("fehlberg_78", 0.99, 15 * turn), "tolerance", 1e-10),
                               with(ellipse("dormand_prince_5", 0.99, 5 * turn), "tolerance", 1e-7),
                               with(ellipse("time_transformed", 0.99, 10 * turn), "sigma", 0.1, "kahan_li_6")};
-  // A few steps a turn, and none of them at the periapsis.
+  // A few steps a revolution, and none of them at the periapsis.
   const Request leaps = with(ellipse("time_transformed", 0.9, 20.4 * turn), "sigma", 1.2, "kahan_li_8");
   const auto check = [](const Request& request, int between) {
     const auto [most, at, times] = of_all_steps(request, between);
@@ -98,7 +98,7 @@ Request error_column(Request request) {
   return request;
 }
 
-// cos ω′t against cos t: the column says it at every sample.
+// cos ω′t against cos t: the column has this error at every sample.
 TEST(ErrorColumn, IsTheErrorAtEachSample) {
   Request request = error_column(runs::defaults("harmonic_oscillator", "leapfrog"));
   request.record = {Record::Mode::samples, 7, {}};
@@ -154,7 +154,7 @@ TEST(Norm, RelativeIsForSmallStates) {
   }
 }
 
-// Each component by its own size, those of a kind by the largest of theirs.
+// Each component is relative to the largest of its kind: coordinates with coordinates, momenta with momenta.
 TEST(Norm, RelativeIsOfEachComponent) {
   ProblemCard card;
   for (const char* name : {"x1", "y1", "px1", "py1", "x_2", "z[3]", "theta1", "theta2", "ptheta1", "vx", "vy[2]", "p",
@@ -173,7 +173,7 @@ TEST(Norm, RelativeIsOfEachComponent) {
   EXPECT_EQ(ComponentSizes(kinds_of(card), 2).divisors(), (std::vector{1.0, 1.0})) << "a kind that never leaves 0";
 }
 
-// As the diagnostic says it, however few rows are kept.
+// The column agrees with the diagnostic, however few rows are kept.
 TEST(ErrorColumn, IsThatOfTheDiagnosticInEitherNorm) {
   for (const Norm norm : {Norm::absolute, Norm::relative}) {
     Request request = asking("kepler", "leapfrog", "error");
@@ -186,7 +186,7 @@ TEST(ErrorColumn, IsThatOfTheDiagnosticInEitherNorm) {
   }
 }
 
-// Between the states that were kept the error swings as much as at them.
+// The error oscillates between the kept states as much as at them.
 TEST(LargestError, IsLookedForBetweenTheStatesThatWereKept) {
   for (const auto& [problem, scheme] :
        {std::pair{"modulated_oscillator", "dormand_prince_5"}, std::pair{"spin_orbit", "bulirsch_stoer"},

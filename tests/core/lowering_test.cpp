@@ -1,4 +1,4 @@
-// What a tape and the program made of it may take.
+// The limits of a tape, and of the program made of it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ TEST(Lowering, OperationsAreBounded) {
   EXPECT_THROW(square * x, least::tape::TooManyOperations);
 }
 
-/// What is looked up in a table is found at once only where the places of what differs differ.
+/// Look-ups in the table of nodes are fast only if different nodes have different hashes.
 TEST(Lowering, NodesThatDifferHaveHashesThatDiffer) {
   constexpr std::size_t n = 4096, mask = 4 * n - 1;
   std::set<std::size_t> places;
@@ -33,8 +33,8 @@ TEST(Lowering, NodesThatDifferHaveHashesThatDiffer) {
   EXPECT_GT(places.size(), n * 3 / 4) << "of constants that are whole numbers";
 }
 
-/// A sum goes on in another one, which copies its terms: of long ones parts are kept, so that what is copied is in
-/// proportion to what is written.
+/// Adding to a sum makes a new sum that copies its terms. A long sum is therefore split into partial sums that are
+/// kept, so that the work of copying is proportional to what is written.
 TEST(Lowering, LongSumsAreSumsOfShortOnes) {
   constexpr std::size_t n = 90, longest = 100;
   Tape tape;

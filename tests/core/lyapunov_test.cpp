@@ -1,4 +1,4 @@
-// lyapunov: exponents that are known, MEGNO of regular and of chaotic motion, whatever scheme carries the run.
+// lyapunov: exponents that are known, MEGNO of regular and of chaotic motion, whatever the scheme of the run.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ TEST(Lyapunov, OnASummitIsTheRateOfTheFall) {
     Request top = asking("pendulum", scheme, "lyapunov");
     runs::begin(top, "q", std::acos(-1.0));
     runs::begin(top, "p", 0);
-    const auto [exponent, megno] = lyapunov(top, 20);  // before rounding makes it fall
+    const auto [exponent, megno] = lyapunov(top, 20);  // before rounding makes the pendulum fall
     EXPECT_NEAR(exponent, 1, 0.03) << scheme;
     EXPECT_NEAR(megno, 10, 0.5) << scheme << ": half of the time";
   }
@@ -51,8 +51,8 @@ TEST(Lyapunov, MegnoOfARegularOrbitIsTwo) {
   }
 }
 
-// λ = .9056: Sprott, Chaos and Time-Series Analysis, 2003, table of the Lorenz system. It fluctuates from one stretch
-// of time to the next: over 400 by .03, over 1500 by .01.
+// λ = .9056: Sprott, Chaos and Time-Series Analysis, 2003, table of the Lorenz system. The estimate fluctuates with the
+// interval of time: over 400 by .03, over 1500 by .01.
 TEST(Lyapunov, OfLorenzIsTheKnownOne) {
   for (const char* scheme : {"runge_kutta_4", "dormand_prince_5"}) {
     const auto [exponent, megno] = lyapunov(asking("lorenz", scheme, "lyapunov"), 1500);
@@ -68,8 +68,8 @@ StateOf<Orbit> state_of(const std::vector<double>& variables, double t) {
   for (std::size_t i = 0; i < 4; ++i) x[i] = variables[i];
   return x;
 }
-/// ln |δ(T)| / T of two runs along Kepler's orbit that begin at a distance along the direction in which `lyapunov`
-/// looks.
+/// growth_of_a_difference() returns ln |δ(T)| / T of two runs along Kepler's orbit whose starts differ by `distance` in
+/// the direction that `lyapunov` follows.
 double growth_of_a_difference(Request request, double end, double distance) {
   request.end = runs::scene(request).start + end;
   request.diagnostics = {};
@@ -88,9 +88,9 @@ double growth_of_a_difference(Request request, double end, double distance) {
   return std::log(length(run_state(state_of(ends[0], end)), apart.data())) / end;
 }
 
-// The states of a coarse run lie on no one orbit: the motion's derivatives along them would grow by .38 and .25 a unit
-// of time here, as in a chaotic sea. Steps in a fictitious time reach neighbours at different times, and a neighbour's
-// run has an energy level of its own.
+// The states of a coarse run do not lie on one orbit: the derivatives of the true motion along them would grow by .38
+// and .25 a unit of time here, as in a chaotic motion. Steps in a fictitious time reach neighbours at different times,
+// and the run of a neighbour has its own energy level.
 TEST(Lyapunov, IsThatOfTheSchemesOwnMapHoweverCoarse) {
   for (const char* scheme : {"leapfrog", "galerkin_4", "runge_kutta_4"})
     for (const double step : {0.01, 0.002}) {
@@ -112,8 +112,9 @@ TEST(Lyapunov, IsThatOfTheSchemesOwnMapHoweverCoarse) {
   EXPECT_NEAR(lyapunov(hybrid, 95).exponent, growth_of_a_difference(hybrid, 95, 1e-7), 1e-5);
 }
 
-// Of an orbit of eccentricity .96 the growth is in a component of u that is smaller than the others by a factor of |u|.
-// Truth: the variational equations by Fehlberg's pair of order 8 in long double at 1e-17, in steps of .05 at most.
+// On an orbit of eccentricity .96 the growth is in a component of u that is smaller than the others by a factor of |u|.
+// The true values are from the variational equations by Fehlberg's pair of order 8 in long double at 1e-17, in steps of
+// .05 at most.
 TEST(Lyapunov, OfAnEccentricOrbitTendsToThatOfARegularOne) {
   struct Truth {
     double end, exponent, megno;
@@ -126,7 +127,8 @@ TEST(Lyapunov, OfAnEccentricOrbitTendsToThatOfARegularOne) {
       EXPECT_NEAR(exponent / truth.exponent, 1, 0.005) << scheme << ' ' << truth.end;
       EXPECT_NEAR(megno, truth.megno, 0.004) << scheme << ' ' << truth.end;
     }
-  // Steps along a coordinate, some of which the true motion stands in for: what it hands back is of the same size.
+  // The hybrid steps along a coordinate, and in some steps uses the true motion instead: the tangents have the same
+  // size.
   const auto [exponent, megno] = lyapunov(asking("kepler", "jacobi_maupertuis", "lyapunov"), 1000);
   EXPECT_NEAR(exponent / 0.0049960, 1, 0.01);
   EXPECT_NEAR(megno, 1.790, 0.02);
@@ -170,7 +172,7 @@ TEST(Lyapunov, SaysWhatItMeans) {
   EXPECT_EQ(verdict("damped_oscillator", 200, {}), "contracts");
 }
 
-// What is still at rest at the far end of a chain is measured as what moves: of a linear one nothing ever grows.
+// The far end of a chain, while still at rest, has the same weight as what moves: in a linear chain nothing ever grows.
 TEST(Lyapunov, OfALinearChainIsNeverChaos) {
   text::TypedScene typed;
   typed.scene.variables = {"x[32]"};

@@ -1,4 +1,4 @@
-// The memory that requests share: what is taken, and how those wait who find no room.
+// The memory that requests share: what is taken, and how those that find no room wait.
 #include "core/memory_budget.hpp"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(MemoryBudget, IsNotWaitedForInVain) {
   EXPECT_LT(steady_seconds() - from, 0.2) << "nobody waits for it";
 }
 
-// Each holds what another waits for: one gives up, and all others have what they want one after the other.
+// A deadlock: each thread holds what another waits for. One gives up, and then all others get what they want.
 TEST(MemoryBudget, LetsOneGiveUpForAllOthers) {
   constexpr int many = 32;
   MemoryBudget budget(10 * many);
@@ -74,7 +74,7 @@ TEST(MemoryBudget, LetsOneGiveUpForAllOthers) {
         all_hold.arrive_and_wait();
         try {
           held.add_soon(10);
-          std::this_thread::sleep_for(10ms);  // in which others have waited for longer than they would
+          std::this_thread::sleep_for(10ms);  // longer than the others would wait without progress
         } catch (const MemoryShortage&) {
           ++failed;
         }

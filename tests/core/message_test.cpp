@@ -1,4 +1,4 @@
-// Words of a run in which times are numbers until they are read.
+// Messages of a run, in which times stay numbers until the text is read.
 #include "core/run/message.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ TEST(Message, PutsItsTimesIntoWords) {
             "at t = 1 it is off by 0.25, by a control run of Dormand–Prince 5(4) that went as far as t = 2");
 }
 
-// Times alone: what else reads as one is a word of whoever wrote it.
+// turn_times() changes the sign of times only; text that looks like a time stays.
 TEST(Message, TurnsTimesAndNoWords) {
   Message message = "what Start = 1 and t = 5 set at " + Message::time(3) + ", not " + Message::time(0);
   message.turn_times();

@@ -1,4 +1,4 @@
-// Matrices of Newton's method whose size is known when they run: few unknowns by the inverse, many by L and U.
+// Matrices of Newton's method whose size is known at run time: few unknowns by the inverse, many by L and U.
 #include "core/newton_matrix.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace least {
 namespace {
 
-/// Of no order; the first column has its largest entry in the last row.
+/// entry() has no regularity; the first column has its largest entry in the last row, so that rows are exchanged.
 double entry(std::size_t i, std::size_t j, std::size_t n) {
   return std::sin(1.3 * double(i * i) + 7.1 * double(j) + 2) + (i + j == n - 1 ? 3 : 0);
 }
@@ -58,8 +58,8 @@ TEST(NewtonMatrix, WithoutInverseFindsNothingFinite) {
   }
 }
 
-// Where neighbours alone are coupled, and weakly, L and U fall off with the distance: below 1e-308 a processor takes a
-// hundred times as long with each number.
+// Where only neighbours are coupled, and weakly, L and U decay with the distance from the diagonal. Numbers below
+// 1e-308 are subnormal, and a processor takes a hundred times as long for each operation with them.
 TEST(NewtonMatrix, HasNoNumbersThatAreSlow) {
   constexpr std::size_t n = 400;
   NewtonMatrix matrix(n);

@@ -1,4 +1,4 @@
-// Newton's method where a class of problem has room for more unknowns than a scene has.
+// Newton's method where the class of a problem has room for more unknowns than a scene has.
 #include "core/newton.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace least {
 namespace {
 
-/// Of two unknowns in eight places: x₀² + x₄ = a, x₄ − x₀ = 1, which x₀ = 1, x₄ = 2 solve for a = 3.
+/// Two unknowns in eight places: x₀² + x₄ = a and x₄ − x₀ = 1 have the solution x₀ = 1, x₄ = 2 for a = 3.
 constexpr SomeUnknowns<8> two{{0, 4}, 2};
 
 template <class A>
@@ -35,7 +35,8 @@ TEST(Newton, AsksForTheUnknownsThatThereAre) {
   EXPECT_EQ(calls, work.iterations) << "a Jacobian of two columns takes one look";
 }
 
-// With a coarse end the last round of the values leaves their slopes behind: one more takes them along.
+// With a coarse tolerance the iteration of the values ends before their derivatives have converged: one more iteration
+// brings them along.
 TEST(Newton, FollowsTheDerivativeOfASolution) {
   using D = Dual<double, 1>;
   for (const auto& [grain, near] : {std::array{0.0, 1e-13}, std::array{1e-3, 1e-6}}) {
@@ -66,7 +67,7 @@ TEST(Newton, FindsTheSameWithColumnsAFewAtATime) {
   for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(some[i], at_once[i], 1e-15 * at_once[i]);
 }
 
-/// Room for three coordinates, of which it has two.
+/// Room for three coordinates, of which two exist.
 struct Roomy {
   static constexpr int dof = 3;
   std::size_t coordinates() const { return 2; }
@@ -77,7 +78,7 @@ TEST(Newton, CountsUnknownsInBlocksOfCoordinates) {
   EXPECT_EQ(blocks.count, 4u);
   EXPECT_EQ((std::array<int, 4>{blocks.place[0], blocks.place[1], blocks.place[2], blocks.place[3]}),
             (std::array<int, 4>{0, 1, 3, 4}));
-  const auto with_more = unknowns_of<8, 4>(Roomy());  // in each block one that is no coordinate's
+  const auto with_more = unknowns_of<8, 4>(Roomy());  // each block has one unknown more than coordinates
   EXPECT_EQ(with_more.count, 6u);
   EXPECT_EQ(with_more.place[2], 3);
   EXPECT_EQ(with_more.place[5], 7);

@@ -127,7 +127,7 @@ TEST(LinearSolver, SolvesAndDifferentiates) {
   EXPECT_FALSE(std::isfinite(none[0]) && std::isfinite(none[1]));
 }
 
-/// A matrix without symmetry that needs pivots, and its solution known beforehand.
+/// A matrix without symmetry that needs pivots, with a known solution.
 template <class T, int N>
 void solves() {
   Mat<N, T> a;

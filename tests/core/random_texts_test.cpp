@@ -1,4 +1,4 @@
-// Random formulas as text, against an evaluator that knows the tree and neither the parser nor the tape.
+// Random formulas as text, against an evaluator that walks the tree and shares neither the parser nor the tape.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 using namespace least;
 using namespace reading;
 
-/// A value, and by how much rounding may have moved it.
+/// Rounded is a value with a bound on its rounding error.
 struct Rounded {
   double value, error;
 };
@@ -96,7 +96,7 @@ class RandomTrees {
   std::mt19937_64 random_;
 };
 
-/// With no more brackets than the rules need, and now and then some more.
+/// printed() writes the tree with the brackets that the rules need, and at random some more.
 std::string printed(const Tree& tree, RandomTrees& random) {
   using Kind = Tree::Kind;
   const auto binds = [](const Tree& part) {
@@ -148,7 +148,7 @@ std::string printed(const Tree& tree, RandomTrees& random) {
   return {};
 }
 
-/// `wild`: something on the way was no finite number.
+/// evaluated() sets `wild` where an intermediate value is not finite.
 Rounded evaluated(const Tree& tree, bool& wild) {
   using Kind = Tree::Kind;
   const Rounded a = tree.a ? evaluated(*tree.a, wild) : Rounded{0, 0};

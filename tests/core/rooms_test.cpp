@@ -1,4 +1,4 @@
-// Which room of the house may include which: the folders are the way of a request, and no arrow runs back.
+// Which folder may include which: the folders follow the way of a request, and no include goes back.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -11,7 +11,8 @@ namespace {
 
 using Names = std::set<std::string>;
 
-/// Every room with those it may look into; a file directly in core/ or server/ is in a room of that name.
+/// rooms() returns every folder with those that it may include; a file directly in core/ or server/ is in a folder of
+/// that name.
 const std::map<std::string, Names>& rooms() {
   static const std::map<std::string, Names> all = [] {
     const Names base{"core/number", "core", "core/tape", "core/text"};
@@ -48,7 +49,7 @@ const std::map<std::string, Names>& rooms() {
   }();
   return all;
 }
-/// What the transport may see of the shared room.
+/// The files of the shared folder that the transport may include.
 const Names for_transport{"server/shared/answer.hpp", "server/shared/http_status.hpp", "server/shared/log.hpp",
                           "server/shared/memory_budget.hpp", "server/shared/result.hpp"};
 
@@ -58,7 +59,7 @@ std::string room_of(const std::filesystem::path& file) {
   return depth > 2 ? part(0) + "/" + part(1) : part(0);
 }
 
-/// What a file of ours includes of ours.
+/// includes() returns the files of the project that a file includes.
 Names includes(const std::filesystem::path& file) {
   const std::string mark = "#include \"";
   Names paths;

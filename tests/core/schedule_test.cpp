@@ -1,4 +1,4 @@
-// Grids, schedules and budgets: where a run steps, where it looks, where it ends.
+// Grids, schedules and budgets: where a run steps, where it samples, where it ends.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,7 +24,7 @@ Request span(double start, double end) {
 Grid grid(double start, double end, double h) { return Grid(span(start, end), h); }
 
 TEST(Grid, HasWholeStepsAndOneShorterOne) {
-  EXPECT_EQ(grid(0, 20, 0.1).steps, 200);  // 0.1 is not a tenth, and 200 · 0.1 is 20 all the same
+  EXPECT_EQ(grid(0, 20, 0.1).steps, 200);  // the double 0.1 is not a tenth, and 200 · 0.1 is 20 all the same
   EXPECT_EQ(grid(0, 20, 0.1).tail, 0);
   EXPECT_EQ(grid(0, 40, 0.01).steps, 4000);
   EXPECT_EQ(grid(0, 40, 0.01).tail, 0);
@@ -80,7 +80,7 @@ TEST(SaveSchedule, ByStrideByNumberAndByTime) {
   EXPECT_EQ(times({Record::Mode::times, 0, asked}, g), asked);
 }
 
-// Where n·h rounds beyond the end, or short of it, the end stays what was asked for, and a sample there is the final
+// Where n·h rounds to more or less than the end, the run ends at the time asked for, and a sample there is the final
 // state.
 TEST(Run, EndsWhereItWasToldTo) {
   for (const auto& [h, end] : {std::pair{0.1, 0.3}, {0.1, 0.7}, {0.01, 0.29}, {0.25, 1.0000000000000002}, {0.3, 1.0}}) {
@@ -117,7 +117,7 @@ TEST(Run, StandsOnTheGrid) {
   runs::scene(request).start = 3;
   request.end = 4.005;
   const auto result = runs::go(request);
-  ASSERT_EQ(result.rows.size(), 101U);  // the shorter last step is no grid point
+  ASSERT_EQ(result.rows.size(), 101U);  // the end of the shorter last step is not a grid point
   for (std::size_t n = 0; n < result.rows.size(); ++n) EXPECT_EQ(result.rows[n][0], 3 + double(n) * 0.01);
   EXPECT_EQ(result.outcome.t, 4.005);
   EXPECT_EQ(result.outcome.cost.steps, 101);
@@ -150,7 +150,7 @@ TEST(Budget, StepsSecondsCancellationAndTheReceiver) {
   request.steps = std::int64_t{1} << 50;
   request.record.count = std::int64_t{1} << 49;
   {
-    const runs::TurnedClock clock(1e-3);  // as slow as blocks of the shortest length are made for
+    const runs::TurnedClock clock(1e-3);  // steps so slow that blocks have the shortest length
     request.limits.seconds = 0.1;
     result = runs::go(request);
     EXPECT_EQ(result.outcome.stop.reason, ReturnCode::deadline);

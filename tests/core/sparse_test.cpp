@@ -1,4 +1,5 @@
-// Sparse linear systems whose pattern is known beforehand, and Jacobians of formulas by directions that share no row.
+// Sparse linear systems whose pattern is known beforehand, and Jacobians of formulas by groups of columns that share no
+// row.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,10 +15,11 @@
 namespace least {
 namespace {
 
-/// Entries without order, of any sign.
+/// entry() has no regularity, and either sign.
 double entry(std::size_t i, std::size_t j) { return std::sin(1.3 * double(i * i) + 7.1 * double(j) + 2); }
 
-/// |A x − b| of the solution for a right side, over what is there.
+/// residual() returns the largest |A x − b| of the computed solution for one right side, relative to the sum of the
+/// absolute values of its terms.
 double residual(const SparsityPattern& pattern, SparseSystem& system, double diagonal) {
   const std::size_t n = pattern.size();
   system.clear();
@@ -42,7 +44,8 @@ double residual(const SparsityPattern& pattern, SparseSystem& system, double dia
   return worst;
 }
 
-/// Those that differ by at most `reach`, in an order without order; of a ring the ends meet.
+/// neighbours() couples unknowns that differ by at most `reach`, under shuffled numbers; in a ring the ends are
+/// neighbours.
 SparsityPattern neighbours(std::size_t n, std::size_t reach, bool ring) {
   std::vector<std::uint32_t> name(n);
   for (std::size_t i = 0; i < n; ++i) name[i] = static_cast<std::uint32_t>(i * 7 % n);  // 7 divides none of the sizes
@@ -75,13 +78,13 @@ TEST(SparseSystem, SolvesWhatIsDenseAndWhatFallsApart) {
   SparseSystem full(neighbours(9, 9, false));
   EXPECT_LT(residual(neighbours(9, 9, false), full, 0), 1e-12);
 
-  SparsityPattern star(100);  // no order makes the band of a row that all share narrow
+  SparsityPattern star(100);  // all unknowns share the first row: no order makes the band narrow
   for (std::uint32_t i = 0; i < 100; ++i) star[i] = {0, i};
   star[0] = neighbours(100, 100, false)[0];
   SparseSystem centre(star);
   EXPECT_FALSE(centre.is_banded());
   EXPECT_LT(residual(star, centre, 0), 1e-11);
-  SparsityPattern narrow = neighbours(100, 12, false);  // 25 in a row: a band of 12
+  SparsityPattern narrow = neighbours(100, 12, false);  // 25 entries in a row: a band of 12
   EXPECT_TRUE(SparseSystem(narrow).is_banded());
 
   SparsityPattern parts(40);  // 20 pairs
@@ -102,7 +105,7 @@ TEST(SparseSystem, AsksWhetherItIsToGoOnWhereItIsLarge) {
 
 TEST(SparseSystem, ChangesRowsWhereAPivotIsZero) {
   constexpr std::uint32_t n = 20;
-  SparsityPattern pattern(n);  // neighbours, and nothing on the diagonal
+  SparsityPattern pattern(n);  // couples neighbours, and has nothing on the diagonal
   for (std::uint32_t i = 0; i < n; ++i) {
     if (i > 0) pattern[i].push_back(i - 1);
     if (i + 1 < n) pattern[i].push_back(i + 1);
@@ -145,7 +148,7 @@ TEST(SparseSystem, SmallOnesAreSolvedAsTheyAreWithinLargerOnes) {
 
 TEST(SparseSystem, SmallOnesHaveNoFiniteSolutionWhereThereIsNoInverse) {
   for (std::uint32_t n = 1; n <= 6; ++n)
-    for (const double size : {0.0, 1.0}) {  // nothing; all rows alike
+    for (const double size : {0.0, 1.0}) {  // the zero matrix; all rows alike
       SparsityPattern pattern = neighbours(n, n, false);
       SparseSystem system(pattern);
       system.clear();
@@ -177,7 +180,7 @@ TEST(SparseJacobian, TakesAsManyDirectionsAsARowHasEntries) {
   std::vector<Symbol> x;
   for (std::size_t i = 0; i < n; ++i) x.push_back(Symbol::variable(tape, i));
   std::vector<tape::Index> outputs;
-  for (std::size_t i = 0; i < n; ++i) {  // reads i, i + 1 and, through a sine, i + 2; the last ones less
+  for (std::size_t i = 0; i < n; ++i) {  // depends on i, i + 1 and, through a sine, i + 2; the last ones on fewer
     Symbol y = x[i] * x[i];
     if (i + 1 < n) y = y + 3.0 * x[i + 1];
     if (i + 2 < n) y = y + sin(x[i] * x[i + 2]);
@@ -200,7 +203,8 @@ TEST(SparseJacobian, TakesAsManyDirectionsAsARowHasEntries) {
   EXPECT_EQ(entries, 3 * n - 3);
 }
 
-/// The gradient of Σ (x_i x_{i+1}² + sin(x_i x_{i+1})) + c x₀ over three variables, and how many variables there are.
+/// Written records the gradient of Σ (x_i x_{i+1}² + sin(x_i x_{i+1})) + 3 x₀ over three variables, on a tape with
+/// `variables` variables.
 struct Written {
   tape::Tape tape;
   std::vector<tape::Index> outputs;
@@ -248,7 +252,7 @@ TEST(SparseJacobian, OfFewVariablesIsWrittenOut) {
   }
 }
 
-// A function of no variable has no entries, but values.
+// Functions of time alone have values, but no entries in the Jacobian.
 TEST(SparseJacobian, TellsTheValuesOfWhatDoesNotChange) {
   for (const std::size_t n : {2, 9}) {
     tape::Tape tape;
@@ -263,7 +267,7 @@ TEST(SparseJacobian, TellsTheValuesOfWhatDoesNotChange) {
   }
 }
 
-// Of outputs that share a long part each has derivatives of its own, which together take longer than dual numbers.
+// Outputs that share a long part each repeat its derivatives, which together take longer than dual numbers.
 TEST(SparseJacobian, IsNotWrittenOutWhereThatIsLong) {
   constexpr std::size_t n = 4;
   tape::Tape tape;

@@ -1,5 +1,5 @@
-// Steps of a program that are computed side by side: to the bits of steps one by one, and together where scenes of many
-// bodies have them.
+// Steps of a program that are computed side by side: they have the bits of steps computed one by one, and scenes of
+// many bodies have many of them together.
 #include "core/tape/step_batches.hpp"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@
 namespace least::tape {
 namespace {
 
-/// Motions that know nothing of each other, each of three variables and of other numbers, by every rule. No product is
-/// in two sums, which would become a value of its own.
+/// Copies are independent motions of three variables each, with different constants, that use every rule. No product
+/// occurs in two sums, which would make it a value of its own.
 struct Copies {
   explicit Copies(std::size_t count) {
     for (std::size_t n = 0; n < count; ++n) {
@@ -43,7 +43,7 @@ struct Variables {
   std::vector<Symbol> x;
   std::vector<double> y0;
 };
-/// So many of them, which begin at 1 and so far from each other.
+/// variables() returns `count` variables, whose values begin at 1 and increase by `apart`.
 Variables variables(Tape& tape, std::size_t count, double apart) {
   Variables made;
   for (std::size_t i = 0; i < count; ++i) {
@@ -55,7 +55,7 @@ Variables variables(Tape& tape, std::size_t count, double apart) {
 
 TEST(StepBatches, AreComputedToTheBitsOfStepsOneByOne) {
   constexpr int order = 15;
-  const Copies few(2), many(19);  // of two nothing is side by side; nineteen fill no register
+  const Copies few(2), many(19);  // two copies are not batched; nineteen leave the last register partly filled
   Program program(many.tape, many.rates, many.rates.size());
   const StepBatches batches(program);
   std::size_t together = 0;
@@ -72,9 +72,9 @@ TEST(StepBatches, AreComputedToTheBitsOfStepsOneByOne) {
   EXPECT_NE(one_by_one.coefficients(order)[0], one_by_one.coefficients(order)[3]);
 }
 
-/// Thirty powers, of which the eleventh reads a variable far from that of the tenth: two batches, and what the second
-/// fills up its last register with goes over nothing that has been computed. Three variables at a time know of each
-/// other.
+/// Thirty powers, of which the eleventh reads a variable far from that of the tenth, so that there are two batches: the
+/// lanes that fill up the last register of the second one must not overwrite computed values. The variables depend on
+/// each other in cycles of three, so that three of them are a system of their own for comparison.
 TEST(StepBatches, FillUpNothingThatIsRead) {
   constexpr std::size_t n = 30, far = 20;
   constexpr int order = 12;
@@ -104,7 +104,7 @@ TEST(StepBatches, FillUpNothingThatIsRead) {
   for (int k = 0; k <= order; ++k) EXPECT_EQ(together.coefficients(k)[0], alone.coefficients(k)[0]) << k;
 }
 
-/// All rows of all orders, by registers that hold so many numbers at most.
+/// rows_by() returns all rows of all orders, computed in registers of at most `widest` numbers.
 std::vector<double> rows_by(std::size_t widest, const Copies& copies, int order) {
   Program program(copies.tape, copies.rates, copies.rates.size());
   SeriesReading reading(program, widest);
@@ -129,7 +129,7 @@ TEST(StepBatches, DoNotDependOnTheWidthOfRegisters) {
   EXPECT_EQ(rows_by(8, copies, 15), by_two);
 }
 
-/// A program that has been put in order is read again where only the tolerance is another.
+/// A program that is in order already does not change when it is read again, as it is where only the tolerance differs.
 TEST(StepBatches, PutAProgramInOrderOnce) {
   const Copies copies(19);
   Program program(copies.tape, copies.rates, copies.rates.size());
@@ -142,8 +142,8 @@ TEST(StepBatches, PutAProgramInOrderOnce) {
   EXPECT_EQ(again.copied.size(), once.copied.size());
 }
 
-/// What is carried beside a motion does not change its bits, though only with it are there so many steps that products
-/// become values, or products that two sums have.
+/// Quantities that are carried beside a motion do not change its bits, although only with them there are so many steps,
+/// or products that two sums share, that products become values of their own.
 TEST(StepBatches, LeaveTheMotionAsItIsWithoutWhatIsCarried) {
   constexpr std::size_t n = 60;
   constexpr int order = 8;
@@ -171,7 +171,7 @@ TEST(StepBatches, LeaveTheMotionAsItIsWithoutWhatIsCarried) {
     for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(with.coefficients(k)[i], alone.coefficients(k)[i]) << k;
 }
 
-/// A batch of which the lanes begin amid others, and whose last register is filled up behind all of them.
+/// A batch whose lanes begin between other lanes, and whose last register is filled up behind all of them.
 TEST(StepBatches, ReadWholeRegistersOfLanes) {
   constexpr std::size_t n = 8;
   Tape tape;
@@ -189,7 +189,7 @@ TEST(StepBatches, ReadWholeRegistersOfLanes) {
   }
 }
 
-/// What is read of the time alone stays what it is where products become values of their own.
+/// Values that depend on time alone stay right where products become values of their own.
 TEST(StepBatches, LeaveWhatIsLinearInTimeAsItIs) {
   constexpr std::size_t n = 40;
   Tape tape;
@@ -208,8 +208,8 @@ TEST(StepBatches, LeaveWhatIsLinearInTimeAsItIs) {
   }
 }
 
-/// All pairs of bodies in space: what they have in common stands one after the other. What reads positions, and what
-/// adds up forces, is gathered.
+/// For all pairs of bodies in space the common parts of the pairs are contiguous. Only the reading of positions and the
+/// summing of forces are gathered.
 TEST(StepBatches, PairsOfBodiesStandTogether) {
   constexpr std::size_t bodies = 9, pairs = bodies * (bodies - 1) / 2, coordinates = 3 * bodies;
   Tape tape;

@@ -1,4 +1,4 @@
-// What stands in an answer that an event of the caller's own ended: nothing beyond it.
+// The answer of a run that an event of the caller's own ended: it has nothing beyond that end.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace {
 
 using namespace least;
 
-/// Up to the first zero of the expression.
+/// stopping_at() ends the request's run at the first zero of the expression.
 Request stopping_at(const char* expression, Request request) {
   MeasureReader reader(*request.scene);
   const auto fault = reader.read("end", expression);
@@ -27,7 +27,7 @@ Request oscillator(std::string_view scheme) {
 
 TEST(StopAtAnEvent, NoSampleIsLater) {
   for (const char* scheme : {"leapfrog", "runge_kutta_4", "variational_midpoint", "taylor", "dormand_prince_5"}) {
-    // In a step, on the grid, in the step that overshoots or is cut short at the end, in the first step.
+    // Ends within a step, on the grid, in the last step (which overshoots or is cut short), and in the first step.
     for (const double end : {0.52, 0.5, 0.97, 0.999, 0.03}) {
       Request request = oscillator(scheme);
       if (request.scene->mechanics->schemes()[request.scheme].find("step")) runs::set(request, "step", 0.15);
@@ -40,7 +40,7 @@ TEST(StopAtAnEvent, NoSampleIsLater) {
       EXPECT_LE(run.rows.back()[0], run.outcome.t) << scheme;
       EXPECT_EQ(std::ssize(run.rows), static_cast<std::ptrdiff_t>(std::floor(end * 40 + 1e-9)) + 1) << scheme << end;
 
-      // Those there are, are those of a run that goes on; recording changes nothing.
+      // The rows are those of a run that goes on, and recording changes nothing.
       Request on = oscillator(scheme), quiet = request;
       on.settings = request.settings;
       on.record = request.record;
@@ -56,7 +56,7 @@ TEST(StopAtAnEvent, NoSampleIsLater) {
   }
 }
 
-// What falls to zero exactly where a step ends, and goes on falling, has reached it.
+// An expression that falls to zero exactly where a step ends, and goes on falling, has reached zero.
 TEST(StopAtAnEvent, AZeroOnTheGridIsOne) {
   for (const char* scheme : {"leapfrog", "runge_kutta_4", "taylor"})
     for (const char* expression : {"0.5-t", "t-0.5"}) {

@@ -1,4 +1,4 @@
-// Derivatives of Taylor series by where they begin and by parameters: every rule against differences of series, and
+// Derivatives of Taylor series by the initial values and by parameters: every rule against differences of series, and
 // second derivatives against differences of the first.
 #include "core/tape/tangents.hpp"
 
@@ -26,7 +26,8 @@ constexpr std::size_t all_variables = 3, moving = 2;  // x, y, and a parameter c
 constexpr double later = 0.1;
 using Start = std::array<double, all_variables>;
 
-/// Of ẋ = f(x, y, c, t), ẏ = xy − x/2 the state after a while, and its derivatives by x, y, c and by pairs of them.
+/// Ended is the state of ẋ = f(x, y, c, t), ẏ = xy − x/2 after the time `later`, with its derivatives by x, y, c and by
+/// pairs of them.
 struct Ended {
   std::array<double, moving> state{};
   std::array<std::array<double, all_variables>, moving> first{};
@@ -47,7 +48,8 @@ class Motion {
       for (std::size_t b = a; b < all_variables; ++b) pairs_.emplace_back(a, b);
   }
 
-  /// `scale`: what derivatives by each are followed as, the scales of pairs being 1.
+  /// from() expands from `start`. The first derivatives are propagated multiplied by `scale` (those by pairs are not
+  /// scaled), which must not change the result.
   Ended from(const Start& start, double scale = 1) const {
     Series series(program_, order, false);
     series.expand(start.data(), 0.2);
@@ -108,7 +110,7 @@ void holds(const char* what, F f) {
   }
 }
 
-/// What steps side by side make of the same, from starts of their own, some of which are left out.
+/// The same derivatives by steps side by side, from different starts, for two numbers of steps.
 template <class F>
 void holds_side_by_side(const char* what, F f) {
   SCOPED_TRACE(what);

@@ -1,5 +1,5 @@
-// Tapes and their Taylor series: every rule against Cauchy's integral of the same formula in complex numbers,
-// which knows nothing of rules.
+// Tapes and their Taylor series: every rule against Cauchy's integral of the same formula in complex numbers, which
+// shares no code with the rules.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ using least::tape::Tape;
 using Complex = std::complex<double>;
 constexpr int highest = 20;
 
-/// Coefficients of f at 0 from its values on a circle of this radius.
+/// by_cauchy() returns the Taylor coefficients of f at 0 from its values on a circle of this radius.
 template <class F>
 std::vector<double> by_cauchy(F&& f, double radius) {
   constexpr int points = 128;
@@ -37,7 +37,7 @@ std::vector<double> by_cauchy(F&& f, double radius) {
   return found;
 }
 
-/// The coefficients of f(x), with ẋ = x from x₀ or x = x₀ + slope t.
+/// by_rules() returns the Taylor coefficients of f(x), with ẋ = x from x₀, or x = x₀ + slope t where `linear`.
 template <class F>
 std::vector<double> by_rules(F&& f, double start, double slope, bool linear) {
   Tape tape;
@@ -52,7 +52,8 @@ std::vector<double> by_rules(F&& f, double start, double slope, bool linear) {
   return found;
 }
 
-/// f at points between `low` and `high`, where it and its argument have no singularity nearer than twice `radius`.
+/// holds() compares both at points between `low` and `high`, where f and its argument have no singularity nearer than
+/// twice `radius`.
 template <class F>
 void holds(const char* what, F&& f, double low, double high, double radius) {
   std::mt19937 random(7);
@@ -124,7 +125,7 @@ TEST(Tape, FunctionsHaveTheirSeries) {
       "x^x", [](const auto& x) { return pow(x, x); }, 0.8, 1.5, 0.2);
 }
 
-/// Of the branch that holds, and where it ends.
+/// The series is that of the branch that applies on either side of a change of sign.
 TEST(Tape, ChoicesAreMadeByTheSign) {
   const auto f = [](const auto& x) {
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(x)>, Symbol>) {
@@ -155,7 +156,7 @@ TEST(Tape, NothingIsWrittenTwiceAndConstantsAreNot) {
   EXPECT_EQ(size_of(tape), then + 1);
 }
 
-/// u √u is one power, and so is what is divided by it: Kepler's force has two lanes for it and four products.
+/// u √u is one power, and so is its inverse: Kepler's force needs two lanes for it and four products.
 TEST(Tape, KeplersForceIsShort) {
   Tape tape;
   const Symbol x = Symbol::variable(tape, 0), y = Symbol::variable(tape, 1), u = Symbol::variable(tape, 2),
@@ -166,7 +167,7 @@ TEST(Tape, KeplersForceIsShort) {
   EXPECT_EQ(program.steps.size(), 4U);
 }
 
-/// By the addition theorem sums of harmonics cost no products.
+/// Sums of harmonics need no products: the addition theorem applies.
 TEST(Tape, HarmonicsOfTimeHaveNoLanes) {
   Tape tape;
   const Symbol t = Symbol::time(tape);
@@ -208,7 +209,7 @@ TEST(Tape, ProgramsDoNotDependOnWhatWasWrittenFirst) {
   EXPECT_EQ(structure(false), structure(true));
 }
 
-/// What is computed besides does not change the motion by a bit.
+/// Quantities that are computed beside a motion do not change a bit of it.
 TEST(Tape, WhatIsCarriedChangesNothing) {
   const auto coefficients = [](bool more) {
     Tape tape;

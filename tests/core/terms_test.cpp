@@ -1,4 +1,4 @@
-// Sums of terms alike: their bits, which do not depend on the registers of the machine.
+// Sums of many terms of one form: their bits do not depend on the width of the machine's registers.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -19,7 +19,8 @@ using least::tape::Index;
 using least::tape::Tape;
 using least::tape::Terms;
 
-/// Σ w_ij/√((x_i − x_j)² + (y_i − y_j)² + 1/4) over pairs i < j, whose weights differ, or over each with one other.
+/// attraction() returns Σ w_ij/√((x_i − x_j)² + (y_i − y_j)² + 1/4) with weights that differ, over all pairs i < j, or
+/// over one j for each i.
 Symbol attraction(Tape& tape, int bodies, bool of_pairs) {
   Tape formula;
   std::vector<Symbol> a;
@@ -44,7 +45,8 @@ Symbol attraction(Tape& tape, int bodies, bool of_pairs) {
   return Symbol::total(tape, tape.keep(std::move(terms)), 0);
 }
 
-/// The bits of the sum and of its slopes, in one number: roots, quotients, products and sums alone are in them.
+/// bits_of() combines the bits of the sum and of its gradient in one number; only roots, quotients, products and sums
+/// occur, which every machine rounds alike.
 std::uint64_t bits_of(int bodies, bool of_pairs) {
   Tape tape;
   const Symbol whole = attraction(tape, bodies, of_pairs);
@@ -61,14 +63,14 @@ std::uint64_t bits_of(int bodies, bool of_pairs) {
   return all_bits;
 }
 
-// The numbers stand here as registers of two, four and eight found them: where sanitizers watch, there are those of
-// two.
+// The expected numbers were the same with registers of two, four and eight doubles; builds with sanitizers have
+// registers of two only.
 TEST(Terms, HaveTheSameBitsWhateverTheRegisters) {
   EXPECT_EQ(bits_of(50, true), 11196396790541927292u);
   EXPECT_EQ(bits_of(300, false), 9917009427886897081u);
 }
 
-/// Σ (a x_i)² over some variables, a being one or a value that the formula has to compute.
+/// squares() returns Σ (a x_i)² over `count` variables; a is a constant or a value that the formula has to compute.
 Symbol squares(Tape& tape, int count, const Symbol& a) {
   Tape formula;
   const Symbol x = Symbol::variable(formula, 0), by = Symbol::variable(formula, 1), term = by * x * (by * x);
@@ -84,8 +86,8 @@ Symbol squares(Tape& tape, int count, const Symbol& a) {
   return Symbol::total(tape, tape.keep(std::move(terms)), 0);
 }
 
-// What reads variables and numbers alone is made ready once for all formulas of a tape; where what a formula has
-// computed is read, each has it in another register.
+// Sums that depend on variables and constants alone are prepared once for all formulas of a tape. A sum that depends on
+// a value computed in a formula is not shared, because each formula has that value in another register.
 TEST(Terms, AreSharedByFormulasUnlessTheyReadWhatOneHasComputed) {
   constexpr int count = 40;
   const std::vector<double> x(count, 0.5);

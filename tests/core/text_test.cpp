@@ -1,4 +1,4 @@
-// Formulas as text: what binds how, what is refused and where.
+// Formulas as text: precedence, and what is refused and where.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -170,7 +170,7 @@ TEST(Text, IsBoundedInDepthAndLength) {
   std::string tower = "x";
   for (int i = 0; i < 3000; ++i) tower += "^y";
   EXPECT_TRUE(read(tower).fault);
-  const auto operations = [](int count) {  // no two alike
+  const auto operations = [](int count) {  // no two operations are alike
     std::string typed = "x";
     for (int i = 2; i < count; ++i) typed += "+" + std::to_string(i) + "*x";
     return typed;

@@ -1,4 +1,4 @@
-// Events of the caller's own: the zeros of expressions along a run, and ends at them.
+// Events of the caller's own: the zeros of expressions along a run, and runs that end at them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ struct Found {
   std::string name;
   std::vector<Report> state;
 };
-/// Those of the caller's own.
+/// found() returns the events of the caller's own.
 std::vector<Found> found(const Solution& outcome) {
   std::vector<Found> all;
   for (const Report& event : outcome.events) {
@@ -48,7 +48,7 @@ std::vector<Found> found(const Solution& outcome) {
   return all;
 }
 
-/// From its perihelion, of eccentricity .6, a = 1, period 2π.
+/// ellipse() requests a Kepler orbit of eccentricity .6 and period 2π (a = 1) from its periapsis.
 Request ellipse(std::string_view scheme, double turns) {
   Request request = runs::defaults("kepler", scheme);
   runs::scene(request).initial = {0.4, 0, 0, 2};
@@ -99,7 +99,7 @@ TEST(Watch, LocatesTheApsidesOfAnEllipse) {
   }
 }
 
-// Whatever sets the clock: each event lies on a zero, both directions alternate, and the run is the same to the bit.
+// Whatever chooses the steps: each event lies on a zero, directions alternate, and the run has the same bits.
 TEST(Watch, IsWithoutInfluenceOnEveryScheme) {
   for (const char* problem : {"kepler", "perturbed_kepler", "damped_oscillator", "van_der_pol", "lane_emden"}) {
     const ProblemCard& card = runs::problem_card(problem);
@@ -167,7 +167,7 @@ TEST(Watch, EndsTheRunAtAnEvent) {
     EXPECT_EQ(state[0], runs::number(events[1].state, "x")) << scheme;
     EXPECT_LT(run.rows.back()[0], run.outcome.t) << scheme << ": up to the last step before it";
     EXPECT_EQ(std::ssize(run.rows), run.outcome.cost.steps) << scheme << ": each step but the last, and the start";
-    // What a run that was to end there from the first says of its energy.
+    // The energy is that of a run with this end from the first.
     Request until = request;
     until.end = run.outcome.t;
     const auto whole = runs::go(until);
@@ -198,7 +198,8 @@ TEST(Watch, EndsSamplesAndCurvesThere) {
   }
 }
 
-// Of an oscillation between steps that are longer than its period, or nearly: two zeros in one change no sign.
+// Steps are longer than the period of an oscillation, or nearly: two zeros within a step leave the sign at its ends
+// alike.
 TEST(Watch, FindsTwoZerosOfOneLongStep) {
   for (const std::size_t index : runs::problem_card("harmonic_oscillator").schemes) {
     const SchemeCard& scheme = schemes()[index];
@@ -215,7 +216,7 @@ TEST(Watch, FindsTwoZerosOfOneLongStep) {
       int zeros = 0, fast = 0, many = 0;
       for (const Found& event : found(run.outcome))
         (event.name == "zero" ? zeros : event.name == "fast" ? fast : many) += 1;
-      const bool coarse = scheme.find("tolerance") && tolerance > 1e-3;  // whose phase is off in the end
+      const bool coarse = scheme.find("tolerance") && tolerance > 1e-3;  // its phase is wrong in the end
       if (!coarse) {
         EXPECT_EQ(zeros, 30) << scheme.id << " " << tolerance << ", " << run.outcome.cost.steps << " steps";
         EXPECT_EQ(many, 30 * 13 + 1) << scheme.id << " " << tolerance << ", " << run.outcome.cost.steps << " steps";
@@ -226,9 +227,9 @@ TEST(Watch, FindsTwoZerosOfOneLongStep) {
   }
 }
 
-// An expression that comes down to zero and turns back is below it for less than a step, wherever that lies.
+// An expression whose extremum lies barely beyond zero is beyond zero for less than a step, wherever in a step that is.
 TEST(Watch, FindsTheZerosOnEitherSideOfATurn) {
-  const double level = 0.9999, half = std::acos(level);  // it is above for a 444th of the period
+  const double level = 0.9999, half = std::acos(level);  // q is above it for 1/222 of the period
   for (const std::size_t index : runs::problem_card("harmonic_oscillator").schemes) {
     const SchemeCard& scheme = schemes()[index];
     for (const double turned : {0.0, 0.3, 1.01, 2.6}) {
@@ -263,7 +264,7 @@ TEST(Watch, FindsTheZerosOnEitherSideOfATurn) {
   }
 }
 
-// Wherever time begins; also of what turns sharply, as distances do, and whatever else is watched.
+// Wherever time begins, also for expressions with sharp minima, as distances have, and with others watched beside.
 TEST(Watch, FindsSharpTurnsAtAnyTime) {
   for (const double start : {0.0, 1e7})
     for (const char* scheme : {"leapfrog", "runge_kutta_4", "taylor"})
@@ -291,7 +292,7 @@ TEST(Watch, FindsSharpTurnsAtAnyTime) {
       }
 }
 
-// From above no sign changes at the end itself, and no step ahead shows that it would have.
+// An expression that falls to zero exactly at the end changes no sign there, and no further step shows that it would.
 TEST(Watch, FindsAZeroAtTheVeryEnd) {
   for (const char* scheme : {"leapfrog", "galerkin_4", "taylor", "dormand_prince_5", "bulirsch_stoer"})
     for (const double end : {1.0, 1.003}) {
@@ -308,7 +309,7 @@ TEST(Watch, FindsAZeroAtTheVeryEnd) {
       EXPECT_EQ(events[0].name, "rise") << scheme;
       EXPECT_EQ(events[1].name, "down") << scheme;
       for (const Found& event : events) EXPECT_EQ(event.t, end) << scheme;
-      const std::string late = "(t-0.3)*(" + left + ")";  // which is below zero where the run begins
+      const std::string late = "(t-0.3)*(" + left + ")";  // below zero where the run begins
       EXPECT_EQ(found(runs::go(watching(request, {{"late", late.c_str(), -1}})).outcome).size(), 1U) << scheme;
       const auto ending = runs::go(watching(request, {{"down", left.c_str(), -1, true}}));
       EXPECT_EQ(ending.outcome.stop.reason, ReturnCode::completed) << scheme;
@@ -339,14 +340,15 @@ TEST(Watch, TakesAStartOnAZeroForNoEvent) {
   }
 }
 
-// θ = sin ξ/ξ for n = 1: from a series at the start to the surface at π, where the motion ends.
+// For n = 1, θ = sin ξ/ξ: from a series at the start to the surface at ξ = π, where the motion ends.
 TEST(Watch, SeesTheSeriesAtTheStartAndNothingBeyondTheSurface) {
   for (const char* scheme : {"contact_leapfrog", "contact_splitting", "runge_kutta_4", "taylor", "dormand_prince_5"}) {
     if (!runs::fits("lane_emden", scheme)) continue;
     Request request = runs::defaults("lane_emden", scheme);
     runs::set(request, "n", 1);
     runs::only_final(request);
-    const bool by_itself = std::string_view(scheme) == "contact_splitting";  // its steps begin at the singularity
+    const bool by_itself =
+        std::string_view(scheme) == "contact_splitting";  // its steps begin at the singularity itself
     const std::string q = runs::card(request).variables[0].name;
     const auto run = runs::go(watching(
         request,
@@ -360,7 +362,7 @@ TEST(Watch, SeesTheSeriesAtTheStartAndNothingBeyondTheSurface) {
     EXPECT_EQ(events[1].name, "half");
     EXPECT_NEAR(events[1].t, 2, 1e-3) << scheme;
     EXPECT_EQ(events[2].name, "late");
-    // An end in the part of the last step that stays inside.
+    // An event in the part of the last step that lies inside the star.
     const auto ended = runs::go(watching(request, {{"late", "t-3.1415", 1, true}}));
     EXPECT_EQ(ended.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_EQ(ended.outcome.event, "late") << scheme;
@@ -368,7 +370,7 @@ TEST(Watch, SeesTheSeriesAtTheStartAndNothingBeyondTheSurface) {
   }
 }
 
-// An expression of s makes a run carry it, and so does one of the energy where that needs it.
+// An expression with s makes a run carry s, and so does one with the energy where that needs s.
 TEST(Watch, CarriesWhatExpressionsRead) {
   Request request = runs::defaults("damped_oscillator", "contact_leapfrog");
   const auto& variables = runs::card(request).variables;

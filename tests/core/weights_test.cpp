@@ -1,5 +1,5 @@
-// Compositions with weights of one's own: what is refused, which order they have, and that the weights of a named one
-// are that one, to the bit, in every scheme that takes a composition.
+// Compositions with weights of the caller's own: which are refused, which order they have, and that the weights of a
+// named composition give that composition, to the bit, in every scheme that takes one.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ TEST(OwnWeights, HaveTheOrderOfTheNamedOnes) {
   }
   EXPECT_EQ(compositions::order_of(std::vector<double>{0.5, 0.5}), 2);
   EXPECT_EQ(compositions::order_of(std::vector<double>{0.5, -0.1, 0.2, -0.1, 0.5}), 2);
-  // Σγ⁵ = 0 and not Σγ³: what a scheme of order 4 needs for 6, and one of order 2 does not gain from.
+  // Σγ⁵ = 0 but Σγ³ ≠ 0: this takes a scheme of order 4 to order 6, but does not help one of order 2.
   const double outer = 1 / (2 - std::pow(2, 0.2));
   const std::vector<double> of_order_four{outer, 1 - 2 * outer, outer};
   EXPECT_EQ(compositions::order_of(of_order_four), 2);
@@ -55,7 +55,7 @@ TEST(OwnWeights, AreRefusedByName) {
   EXPECT_NE(objection({std::numeric_limits<double>::quiet_NaN()}).find("beyond"), std::string::npos);
 }
 
-/// The settings of a named composition, by its weights.
+/// spelt_out() replaces a named composition in the settings by its weights.
 std::vector<double> spelt_out(const SchemeCard& scheme, std::vector<double> settings) {
   const std::size_t i = *scheme.find("composition");
   const auto weights = weights_named(static_cast<Composition::Name>(settings[i]));
@@ -102,7 +102,7 @@ TEST(OwnWeights, OfANamedCompositionAreThatOne) {
                                                  "contact_splitting", "lifted_splitting"}));
 }
 
-/// Two lists of one length are two schemes, to what is kept between runs as well.
+/// The cache between runs distinguishes two lists of weights of the same length.
 TEST(OwnWeights, AreToldApartByWhatIsKept) {
   const std::size_t leapfrog = *find_scheme("leapfrog");
   const double custom = static_cast<double>(compositions::names.size());

@@ -51,8 +51,7 @@ void bench::Ladder::descend() {
 }
 
 void bench::descend(std::vector<Ladder>& ladders, std::size_t count, double far) {
-  constexpr double short_run =
-      5e-4;  // seconds: for shorter runs a delay by chance would decide which ladder is given up
+  constexpr double short_run = 5e-4;  // seconds: for shorter runs a chance delay would decide
   double most = most_seconds;
   while (true) {
     Ladder* next = nullptr;

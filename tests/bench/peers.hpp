@@ -17,9 +17,8 @@ namespace bench {
 using Solver = std::function<std::int64_t(std::span<const double> times, double* states)>;
 
 struct Peer {
-  std::string_view name;  ///< fehlberg_78 | dormand_prince_5 | rk8pd
-  std::function<Solver(double tolerance)>
-      prepared;  ///< the tolerance of the error of a step, absolute and relative alike
+  std::string_view name;                             ///< fehlberg_78 | dormand_prince_5 | rk8pd
+  std::function<Solver(double tolerance)> prepared;  ///< tolerance of a step, absolute and relative alike
 };
 
 /// peers() returns the solvers of Boost.Odeint, and of GSL where it is installed. Several have the same name: they are

@@ -20,8 +20,7 @@ TEST(Orbit, LeapfrogTurnsThePapersEllipse) {
   for (const auto& [h, rotation] : {std::pair{0.01, 0.0454}, std::pair{0.005, 0.0117}}) {
     Request request = asking("kepler", "leapfrog", "orbit");
     request.settings[0] = h;
-    request.end =
-        1.2 * period;  // the ellipse turns against the motion: the direction of the start is reached a little later
+    request.end = 1.2 * period;  // the ellipse turns backward: the starting direction is reached a little later
     EXPECT_EQ(ask(request, "orbit/revolutions"), 1);
     EXPECT_NEAR(ask(request, "orbit/apsidal_rotation"), rotation, 0.02 * rotation) << h;
     request.end = 11.5 * period;  // the mean of ten and more revolutions is the same

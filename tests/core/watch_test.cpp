@@ -347,8 +347,7 @@ TEST(Watch, SeesTheSeriesAtTheStartAndNothingBeyondTheSurface) {
     Request request = runs::defaults("lane_emden", scheme);
     runs::set(request, "n", 1);
     runs::only_final(request);
-    const bool by_itself =
-        std::string_view(scheme) == "contact_splitting";  // its steps begin at the singularity itself
+    const bool by_itself = std::string_view(scheme) == "contact_splitting";  // its steps begin at the singularity
     const std::string q = runs::card(request).variables[0].name;
     const auto run = runs::go(watching(
         request,

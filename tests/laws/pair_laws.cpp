@@ -115,8 +115,7 @@ TEST_P(Pairs, AllocateNothingInTheLoop) {
       return after - before;
     };
     allocations(4);  // the first run fills what is kept from run to run
-    const std::size_t few = allocations(4),
-                      many = allocations(taylor ? 8 : 54);  // more steps of a series would pass the end of a star
+    const std::size_t few = allocations(4), many = allocations(taylor ? 8 : 54);  // series soon reach a star's end
     // Each event adds to a list and each warning is a text; so is the name of what the energy's largest error is
     // relative to.
     EXPECT_LE(many, few + 8 * said + 1) << label(request);

@@ -1,4 +1,4 @@
-// adaptive_boris on scenes as text: its orders, there and back, the volume, the speed, and close passages.
+// adaptive_boris on scenes as text: its orders, reversal, the volume, the speed, and close passages.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace magnetic {
 namespace {
 
-/// Those that do not depend on time, and Arenstorf's orbit.
+/// The scenes that do not depend on time, and Arenstorf's orbit.
 Scene arenstorf() {
   return {"arenstorf",
           of(lagrangian, {"x", "y"}, {{"mu", 0.012277471}},
@@ -40,7 +40,7 @@ class AdaptiveBorisOf : public testing::TestWithParam<Scene> {
   std::shared_ptr<const text::Magnetic> field = paced(GetParam().definition);
 };
 
-// U is what it says, and its slopes are those of it.
+// U, which sets the pace of the steps, is positive, and the other outputs are ∇U/(U√m).
 TEST_P(AdaptiveBorisOf, TheSlopesOfThePaceAreItsOwn) {
   std::vector<double> looked(field->paced.outputs()), beside(looked);
   field->paced.evaluate(scene().start.data(), 0.0, looked.data());
@@ -70,7 +70,7 @@ TEST_P(AdaptiveBorisOf, HasTheOrderOfTheComposition) {
       Request request = request_of(scene(), "adaptive_boris", step, end);
       runs::set(request, "composition", composition);
       const auto outcome = runs::go(request).outcome;
-      if (outcome.stop.reason != ReturnCode::completed) continue;  // steps that are too long
+      if (outcome.stop.reason != ReturnCode::completed) continue;  // these steps are too long
       const double error = distance(final_of(request), known);
       if (before < 1e-3 && error > 1e-11) seen = std::log2(before / error);
       before = error;
@@ -104,7 +104,7 @@ TEST_P(AdaptiveBorisOf, ComesBackByTheStepsItCameBy) {
   }
 }
 
-// Of (q, p, ρ, t), by differences of whole steps.
+// The map of (q, p, ρ, t) keeps the volume, by differences of whole steps.
 TEST_P(AdaptiveBorisOf, KeepsTheVolume) {
   const std::size_t size = 2 * n + 2;
   const auto go = [&](const std::vector<double>& from) {
@@ -151,7 +151,7 @@ TEST(AdaptiveBoris, FollowsArenstorfsOrbit) {
   };
   EXPECT_LT(missed(1e-3, "kahan_li_8"), 1e-3);
   EXPECT_LT(missed(4e-4, "kahan_li_8"), 1e-6);
-  // Steps of one length that cost ten times as much do not.
+  // Steps of equal length do not follow it at ten times the cost.
   Request equal = request_of(arenstorf(), "boris", arenstorf_period / 2000, arenstorf_period);
   runs::set(equal, "composition", "kahan_li_8");
   EXPECT_GT(distance(final_of(equal), arenstorf().start), 0.1);

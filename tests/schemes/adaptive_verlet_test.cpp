@@ -1,5 +1,5 @@
-// Adaptive Verlet against its formulas: the recursion, order, reversal with the density kept, energy over long runs,
-// and what it saves against leapfrog.
+// Adaptive Verlet against its formulas: the recursion, order, reversal together with the density, energy over long
+// runs, and what it saves against leapfrog.
 #include "core/schemes/adaptive_verlet.hpp"
 
 #include <cstring>
@@ -24,7 +24,8 @@ static_assert(!SelfTimedSchemeFor<AdaptiveVerlet, DoublePendulum<>>);
 
 constexpr std::array both{Monitor::arclength, Monitor::frequency};
 
-/// Two masses of 2 and ½ between three springs, V a function of position alone: no estimate of its frequency.
+/// Two masses of 2 and ½ between three springs; V is a function of position alone, without an estimate of the
+/// frequency.
 struct Springs {
   static constexpr int dof = 2;
   Vec<2> inverse_mass() const { return {0.5, 2}; }
@@ -73,7 +74,7 @@ TEST(AdaptiveVerlet, IsItsRecursion) {
   }
 }
 
-// Where nothing changes the step, it is leapfrog; `step` is the length in time.
+// Where the density is constant, it is leapfrog; `step` is the length in time.
 TEST(AdaptiveVerlet, IsLeapfrogAtAConstantFrequency) {
   const HarmonicOscillator<> m{2, 3};
   State<1> x{0, {1}, {0.5}, {}}, y = x;
@@ -183,7 +184,7 @@ TEST(AdaptiveVerlet, TurnsRoundWithItsDensity) {
     EXPECT_NEAR(x.t, 2 * half, 1e-10);
     EXPECT_NEAR(stepper.density(), 1, 1e-9);
     steps(forgetful, y, n);
-    EXPECT_GT(distance(reversed(y), paper), 1e-4);  // ρ is part of the state
+    EXPECT_GT(distance(reversed(y), paper), 1e-4);  // ρ is part of the state and must not be forgotten
   }
 }
 
@@ -262,12 +263,12 @@ TEST(AdaptiveVerlet, StopsWhereTheDensityIsLost) {
     EXPECT_TRUE(fails(Kepler<>{}, State<2>{0, {1, 0}, {nan, 1}, {}}, {0.01, monitor}));
     EXPECT_TRUE(fails(Kepler<>{}, State<2>{0, {0, 0}, {0, 1}, {}}, {0.01, monitor}));
   }
-  // Out from the periapsis at a step that is half as long as it is far: 2U(q½) < ρ.
+  // Outward from the periapsis, with a step half as long as the distance: 2U(q½) < ρ.
   EXPECT_TRUE(fails(Kepler<>{}, State<2>{0, {0.1, 0}, {4, 0}, {}}, {0.05, Monitor::frequency}));
   // ρ₁ exactly 0, and infinite: q½ is the centre.
   EXPECT_TRUE(fails(HarmonicOscillator<>{3, 3}, State<1>{0, {0}, {3}, {}}, {2, Monitor::arclength}));
   for (const auto monitor : both) EXPECT_TRUE(fails(Kepler<>{}, State<2>{0, {1, 0}, {-1.5, 0}, {}}, {1, monitor}));
-  // Where there is no frequency at all, there is nothing to be lost.
+  // Where the frequency vanishes everywhere, there is no density to be lost.
   EXPECT_FALSE(fails(HarmonicOscillator<>{1, 0}, State<1>{0, {1}, {1}, {}}, {0.01, Monitor::frequency}));
 }
 

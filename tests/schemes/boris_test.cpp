@@ -1,4 +1,4 @@
-// boris on scenes as text: its orders, the volume, the speed, there and back, long runs.
+// boris on scenes as text: its orders, the volume, the speed, reversal, long runs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ class BorisOf : public testing::TestWithParam<Scene> {
   const Scene& scene() const { return GetParam(); }
 };
 
-// Two-sided: errors against the true motion at steps that are halved, all of them above round-off.
+// The order is checked from both sides: errors against the true motion at halved steps, all of them above round-off.
 TEST_P(BorisOf, HasTheOrderOfTheComposition) {
   constexpr double end = 3;
   Request truth = request_of(scene(), "taylor", 0, end);
@@ -50,7 +50,8 @@ TEST_P(BorisOf, HasTheOrderOfTheComposition) {
   }
 }
 
-// Of places and momenta, by dual numbers; Runge–Kutta's steps keep none. The turns keep it whatever their field is.
+// The volume in positions and momenta, by dual numbers: Boris's rotations keep it in any field, Runge–Kutta's steps do
+// not.
 TEST_P(BorisOf, KeepsTheVolume) {
   const std::size_t n = scene().definition.variables.size(), size = 2 * n;
   const auto field = std::make_shared<const text::Magnetic>(field_of(scene().definition));
@@ -98,7 +99,8 @@ TEST(Boris, KeepsTheSpeedWithoutAPotential) {
   EXPECT_GT(energy_error(request_of(bottled, "runge_kutta_4", 0.05, 2000)), 1e-7);
 }
 
-// The turn is by the whole angle: a gyration takes its time at any step, five of a turn as well as a hundred.
+// The rotation is by the exact angle: a gyration has its true period at any step, with five steps a turn as well as
+// with a hundred.
 TEST(Boris, OfAUniformFieldHasItsFrequency) {
   const Scene uniform{"uniform",
                       of(lagrangian, {"x", "y", "z"}, {{"b", 2}}, "(vx^2+vy^2+vz^2)/2 + b*(x*vy - y*vx)/2"),
@@ -114,7 +116,8 @@ TEST(Boris, OfAUniformFieldHasItsFrequency) {
   }
 }
 
-// A bottle with a hill in it over ten thousand gyrations: the energy swings and stays, by Runge–Kutta it runs away.
+// A magnetic bottle with a hill in it over ten thousand gyrations: the energy error stays bounded, but grows with
+// Runge–Kutta.
 TEST(Boris, KeepsTheEnergyNearOverLongRuns) {
   Definition hilly = bottle();
   hilly.formula += " - exp(-((x-1)^2 + y^2 + z^2))/5";

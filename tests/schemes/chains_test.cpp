@@ -1,4 +1,5 @@
-// Chains of 4 and of 8, a flow of 16: as many degrees of freedom as a problem names, by every scheme that fits.
+// Chains of 4 and of 8, and a flow of 16 variables: more degrees of freedom than the catalogue has, by every scheme
+// that fits.
 #include "tests/support/chains.hpp"
 
 namespace {
@@ -11,7 +12,7 @@ const Names symplectic{"explicit_euler", "explicit_midpoint", "runge_kutta_4",  
 const Names with_tolerance{"dormand_prince_5", "fehlberg_78", "bulirsch_stoer", "taylor"};
 const Names clocks{"energy_momentum", "jacobi_maupertuis", "time_transformed", "adaptive_verlet"};
 
-/// Their centre of mass moves freely, by every scheme: all but the hybrid keep what is linear in the momenta.
+/// The centre of mass of a ring moves freely: all schemes but the hybrid keep the total momentum, which is linear in p.
 template <int N>
 void ring() {
   const auto momentum = [](const auto& x) {

@@ -1,5 +1,5 @@
-// The splittings for weak forces: their coefficients against the order conditions in quad precision, and what they gain
-// on a motion that is nearly free.
+// The splittings for weak forces: their coefficients against the order conditions in quad precision, and their gain on
+// a motion that is nearly free.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,8 +13,8 @@ namespace {
 using namespace least;
 using contact::pi;
 
-/// What the sum over kicks i ≤ j ≤ … of b_i c_i^p b_j c_j^q … is, which for r kicks of the same time counts 1/r!, less
-/// the integral of x^p y^q … over 0 < x < y < … < 1.
+/// defect() returns the error of an order condition: the sum over kicks i ≤ j ≤ … of b_i c_i^p b_j c_j^q … with r equal
+/// indices weighted by 1/r!, less the integral of x^p y^q … over 0 < x < y < … < 1.
 double defect(const Alternation<Quad>& turns, const std::vector<int>& powers) {
   const auto n = static_cast<std::size_t>(turns.stages);
   Quad exact(1), sum(0);
@@ -35,7 +35,8 @@ double defect(const Alternation<Quad>& turns, const std::vector<int>& powers) {
   add(add, 0, 0, 0, Quad(1));
   return std::abs(static_cast<double>(sum - exact));
 }
-/// The largest for so many kicks, of all powers of the degree, which each kick raises by one.
+/// largest_defect() returns the largest defect of `kicks` kicks over all powers of the degree, to which each kick adds
+/// one.
 double largest_defect(const Alternation<Quad>& turns, std::size_t kicks, int degree) {
   double most = 0;
   std::vector<int> powers(kicks);
@@ -54,7 +55,7 @@ double largest_defect(const Alternation<Quad>& turns, std::size_t kicks, int deg
   return most;
 }
 
-/// Orders in h, of what is linear, quadratic and cubic in ε; 0: not claimed.
+/// Claim has the orders in h of the errors that are linear, quadratic and cubic in ε; 0: not claimed.
 struct Claim {
   Splitting splitting;
   std::array<int, 3> orders;
@@ -81,8 +82,8 @@ TEST(Alternations, FulfilTheConditionsOfTheirOrders) {
   }
 }
 
-/// The largest error in 100 turns of the spin–orbit problem, by so many steps a turn, where what is not free motion,
-/// force and damping, is `strength` times what it is by default.
+/// error() returns the largest error in 100 revolutions of the spin–orbit problem with `steps` steps a revolution,
+/// where force and damping are `strength` times their defaults.
 double error(std::string_view setting, std::string_view choice, int steps, double strength) {
   Request request = runs::defaults("spin_orbit", "contact_splitting");
   runs::set(request, "step", 2 * pi / steps);
@@ -97,7 +98,7 @@ double error(std::string_view setting, std::string_view choice, int steps, doubl
   return runs::number(runs::go(request).outcome.diagnostics, "error/max");
 }
 
-// Errors are ε h⁸ + ε² h² for saba_4, and ε h² + … for what knows of no ε.
+// The error of saba_4 is ε h⁸ + ε² h², that of compositions, which do not use that ε is small, ε h² + ….
 TEST(Alternations, FollowWeakForcesWithLongSteps) {
   const auto gain = [](std::string_view setting, std::string_view choice) {
     return error(setting, choice, 4, 1) / error(setting, choice, 4, 0.1);
@@ -106,7 +107,7 @@ TEST(Alternations, FollowWeakForcesWithLongSteps) {
   EXPECT_NEAR(gain("composition", "none"), 10, 1);
   const double coarse = error("splitting", "saba_4", 4, 1), fine = error("splitting", "saba_4", 8, 1);
   EXPECT_NEAR(coarse / fine, 4, 0.4);
-  // Seven and eight forces a step, where kahan_li_6 takes nine.
+  // These take seven and eight forces a step, kahan_li_6 nine.
   EXPECT_LT(error("splitting", "aba_864", 4, 1), 0.01 * error("composition", "kahan_li_6", 4, 1));
   EXPECT_LT(error("splitting", "aba_1064", 2, 1), 0.01 * error("composition", "kahan_li_6", 2, 1));
 }

@@ -21,7 +21,7 @@ TEST(ContactChains, QuadraticInS) {
   EXPECT_EQ((tolerances_are_met<Toda<8>::Quadratic>(2)), with_tolerance);
 }
 
-/// The momentum of the whole decays as e^(−αt), by a contact scheme with its own factor λ at every step.
+/// The total momentum decays as e^(−αt); a contact scheme has its own factor λ in every step.
 TEST(ContactChains, MomentumAndVolumeDecayTogether) {
   const Toda<8>::Damped<> problem;
   const auto from = start<FullStateOf<Toda<8>::Damped<>>>();

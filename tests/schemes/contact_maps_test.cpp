@@ -1,5 +1,5 @@
-// Each contact scheme's map against its formula, worked out here by other means; against its twin without damping; and
-// without the variables that the motion does not read.
+// Each contact scheme's map against its formula, computed here in another way; against its twin without damping; and
+// without the variables that the equations of motion do not depend on.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ double potential(const P& m, double q, double t) {
 
 // ---- contact_symplectic_euler
 
-/// h L(q₀, (q₁ − q₀)/h, s₀, t₀), in the number of its arguments q₀, q₁, s₀ of a problem of one degree of freedom.
+/// h L(q₀, (q₁ − q₀)/h, s₀, t₀), in the number type of its arguments q₀, q₁, s₀, for one degree of freedom.
 template <class P, class T>
 T first_order_action(const P& m, const Vec<3, T>& y) {
   const Vec<1, T> q{y[0]}, v{(y[1] - y[0]) / h};
@@ -86,7 +86,7 @@ TEST(ContactMap, SymplecticEulerIsTheFirstOrderHerglotzScheme) {
   check_symplectic_euler(cosmology);
   check_symplectic_euler(HeavierAway<>{});
 }
-/// Its factor is a property of the state where H is quadratic in s: without a positive one there is no contact map.
+/// Where H is quadratic in s the factor λ depends on the state: where it is not positive, there is no contact map.
 TEST(ContactMap, SymplecticEulerHasNoStepWhereItsFactorIsNotPositive) {
   const auto status = [](double s) {
     auto x = start;
@@ -228,7 +228,7 @@ TEST(ContactMap, SplittingIsMergedFromStrongDampingOn) {
   EXPECT_TRUE(same(0.51 / h, Splitting::merged));
   EXPECT_FALSE(same(0.51 / h, Splitting::plain));
 }
-// ṡ = −γs²/2 + R and ṗ = −γsp in the middle, for both signs of R, far from 0 and near it, by many small steps.
+// ṡ = −γs²/2 + R and ṗ = −γsp between the kicks, for both signs of R, far from 0 and near it, by many small steps.
 TEST(ContactMap, SplittingOfAQuadraticAction) {
   for (const double source : {12.0, 1.3, 0.0, -0.8, -12.0}) {
     const CosmologicalOscillator<> m{0.7, source};
@@ -301,7 +301,7 @@ void check_same_bits(const Request& lean, const Request& full) {
   for (std::size_t k = 0; k < plain.rows.size(); ++k)
     for (std::size_t i = 0; i < plain.rows[k].size(); ++i) ASSERT_EQ(result.rows[k][i], plain.rows[k][i]) << pair;
 }
-// Asking for s, the energy or the slope of the orbit never changes a bit of what the motion is made of.
+// Asking for s, the energy or the slope of the orbit never changes a bit of the motion.
 TEST(ContactMap, TheMotionHasTheSameBitsWithAndWithoutTheRest) {
   int pairs = 0;
   for (const auto& card : runs::problem_cards()) {
@@ -313,7 +313,7 @@ TEST(ContactMap, TheMotionHasTheSameBitsWithAndWithoutTheRest) {
         Request lean = runs::defaults(card.id, schemes()[scheme].id);
         lean.until_steps = true;
         lean.steps = 300;
-        if (card.id == "lane_emden") runs::set(lean, "after_zero", "signed");  // goes on, however long the steps
+        if (card.id == "lane_emden") runs::set(lean, "after_zero", "signed");  // the run goes on however long steps are
         if (composable) runs::set(lean, "composition", composition);
         Request full = lean;
         runs::show_all(full);

@@ -1,5 +1,5 @@
-// What whole scenes must show under the contact schemes: periods of a limit cycle, fixed points and blow-up of a
-// universe, capture of a moon, a thermal ensemble. The numbers come from an independent implementation.
+// Physical results of whole scenes under the contact schemes: the period of a limit cycle, fixed points and blow-up of
+// a universe, capture of a moon, a thermal ensemble. The numbers come from an independent implementation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,8 +19,8 @@ double read(const json& text) { return std::stod(text.get<std::string>()); }
 
 // ---- van_der_pol
 
-/// Period and amplitude of the last cycle after some. The start is where the orbit creeps towards its jump, so that it
-/// is on the scheme's own cycle at once where ε is large.
+/// cycle() returns period and amplitude of the last cycle. The orbit starts where it creeps towards its jump, so that
+/// it is on the scheme's own cycle at once where ε is large.
 std::pair<double, double> cycle(double epsilon, double h, double end) {
   Request request = request_for("van_der_pol", "contact_splitting", "none", h);
   runs::set(request, "epsilon", epsilon);
@@ -49,7 +49,7 @@ TEST(ContactScene, VanDerPolPeriods) {
   check("1000", 2e-4, 1750, 1e-8);
   for (const char* gentle : {"0.1", "1", "2", "5"}) check(gentle, 1e-3, 250, 1e-6);
 }
-// From the default start, through the transient, by a composition.
+// From the default start, through the transient, with a composition.
 TEST(ContactScene, VanDerPolEndsOnItsCycle) {
   Request request = request_for("van_der_pol", "contact_splitting", "kahan_li_8", 0.01);
   runs::ask(request, "cycle");
@@ -62,7 +62,7 @@ TEST(ContactScene, VanDerPolEndsOnItsCycle) {
 
 // ---- cosmological_oscillator
 
-// On the axis the flow of s is exact in the merged splitting; the plain one shifts the fixed point.
+// For q = p = 0 the merged splitting is exact in s; the plain one shifts the fixed point.
 TEST(ContactScene, CosmologicalFixedPoint) {
   const auto distance = [](std::string_view splitting, std::string_view composition, double s, double gamma,
                            double source) {
@@ -101,7 +101,8 @@ TEST(ContactScene, CosmologicalEllipsoid) {
         EXPECT_LE(runs::number(result.outcome.diagnostics, "energy/max_abs_error"), 4.9e-3) << scheme;
       }
 }
-// On the axis the merged splitting is exact, and so is the time it reports. Others report what their own steps lead to.
+// For q = p = 0 the merged splitting is exact, and so is the time of the blow-up. Others report the time that their own
+// steps lead to.
 TEST(ContactScene, CosmologicalBlowUp) {
   const double truth = read(data().at("cosmological_blow_up").at("t"));
   const auto error = [&](std::string_view scheme, std::string_view composition, double h) {
@@ -133,7 +134,7 @@ TEST(ContactScene, SpinOrbit) {
   EXPECT_NEAR(error("none") / 5.0e-5, 1, 0.05);
   EXPECT_LT(error("kahan_li_6"), 1.05e-11);
 }
-// Steps of another length, or out of turn, are not the table's: the same bits as from a scheme without one.
+// Steps of another length, or at other times, do not use the table of phases: they have the same bits as without one.
 template <class Scheme>
 void expect_own_steps_only() {
   const SpinOrbit<> problem;
@@ -154,7 +155,7 @@ TEST(ContactScene, SpinOrbitTableIsForItsOwnSteps) {
   expect_own_steps_only<ContactSplitting>();
   expect_own_steps_only<ContactLeapfrog>();
 }
-// Friction slows the spin until it is caught: from then on |p − 1| stays small.
+// Friction slows the spin until it is captured: from then on |p − 1| stays small.
 TEST(ContactScene, SpinOrbitCapture) {
   Request request = request_for("spin_orbit", "contact_splitting", "kahan_li_6", pi / 10);
   for (const auto& [name, value] : {std::pair{"lambda", 1e-4}, {"damping", 1e-3}, {"torque", 1e-3}})
@@ -166,7 +167,7 @@ TEST(ContactScene, SpinOrbitCapture) {
     if (std::abs(row[2] - 1) > 0.16) last = row[0];
   EXPECT_NEAR(last, 2668.5, 2);
 }
-// Round the resonance at one start, over the top at the other (the edge between them is known to 2e-5 or so).
+// One start librates about the resonance, the other rotates (the separatrix is known to about 2e-5).
 TEST(ContactScene, SpinOrbitIsland) {
   const json& edge = data().at("spin_orbit_separatrix");
   const auto librates = [&](double p) {
@@ -186,8 +187,9 @@ TEST(ContactScene, SpinOrbitIsland) {
 
 // ---- thermostat
 
-// Starts spread over the target density stay spread over it: averages over the starts and the second half of 200 steps.
-// The points are Kronecker's sequence for the plastic number of dimension 3, through the inverses of the distributions.
+// Starts distributed with the target density keep this distribution: averages over the starts and the second half of
+// 200 steps. The points are Kronecker's sequence for the plastic number of dimension 3, mapped by the inverse
+// distributions.
 TEST(ContactScene, ThermostatKeepsTheEnsemble) {
   const Thermostat<> problem{1, 1, 1};
   constexpr double plastic = 1.2207440846057596, h = 0.05;
@@ -211,7 +213,7 @@ TEST(ContactScene, ThermostatKeepsTheEnsemble) {
   EXPECT_NEAR(mean[2], 3, 0.1);
   EXPECT_NEAR(mean[3], 3.29, 0.05);
 }
-// One long orbit mixes for a narrow density of s; with long steps, or a wide density, it does not.
+// For a narrow density of s one long orbit is ergodic enough; with long steps or a wide density it is not.
 TEST(ContactScene, ThermostatMoments) {
   const auto moments = [](double scale, double h, double end) {
     Request request = request_for("thermostat", "contact_splitting", "none", h);

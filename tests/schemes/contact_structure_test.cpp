@@ -1,5 +1,5 @@
-// The structure that contact schemes keep, and what it brings: the contact form and its volume to round-off, the law of
-// decay to the scheme's order, heat and entropy to the last digit.
+// The structure that contact schemes keep, and its consequences: the contact form and its volume to round-off, the law
+// of decay to the scheme's order, heat and entropy to the last digit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ TEST(ContactStructure, IsKeptByContactSchemesAndNoOthers) {
         EXPECT_LT(runs::number(result.outcome.diagnostics, "volume/max_defect"), 1e-12) << card.id << ' ' << about.id;
         ++kept;
       };
-      if (about.structure == "contact" || about.id == "time_transformed") {  // that one in the space that time extends
+      if (about.structure == "contact" || about.id == "time_transformed") {  // the latter in the space extended by time
         check(request);
         for (const auto& parameter : about.parameters) {
           Request varied = request;
@@ -64,15 +64,15 @@ TEST(ContactStructure, IsKeptByContactSchemesAndNoOthers) {
             check(varied);
           }
         }
-      } else if (about.own_clock) {  // a step that was chosen by the last ones is no map of the state
+      } else if (about.own_clock) {  // such a step depends on the ones before: no map of the state
         const auto result = runs::go(request);
         EXPECT_EQ(about.structure, "none") << about.id;
         EXPECT_TRUE(std::isnan(runs::number(result.outcome.diagnostics, "structure/max_defect"))) << about.id;
         EXPECT_TRUE(std::isnan(runs::number(result.outcome.diagnostics, "volume/max_defect"))) << about.id;
         ++unknown;
       } else if (about.id == "runge_kutta_4") {
-        request = measured(card, scheme, card.id == "damped_kepler" ? 10 * step : 0.3, 3);  // which falls in 0.3
-        if (card.id == "spin_orbit") runs::set(request, "epsilon", 0.5);  // a moon that is round feels next to nothing
+        request = measured(card, scheme, card.id == "damped_kepler" ? 10 * step : 0.3, 3);  // it falls in steps of 0.3
+        if (card.id == "spin_orbit") runs::set(request, "epsilon", 0.5);  // a round moon feels next to nothing
         const auto result = runs::go(request);
         EXPECT_GT(runs::number(result.outcome.diagnostics, "structure/max_defect"), 1e-8) << card.id;
         EXPECT_GT(runs::number(result.outcome.diagnostics, "volume/max_defect"), 1e-8) << card.id;
@@ -82,10 +82,11 @@ TEST(ContactStructure, IsKeptByContactSchemesAndNoOthers) {
   }
   EXPECT_GT(kept, 150);
   EXPECT_EQ(lost, scenes);
-  EXPECT_EQ(unknown, 4 * scenes);  // those that adapt
+  EXPECT_EQ(unknown, 4 * scenes);  // the schemes with adaptive steps
 }
 
-/// The implicit midpoint rule in (q, p, s) itself, by fixed-point iteration: looks like a contact scheme and is none.
+/// The implicit midpoint rule in (q, p, s) itself, by fixed-point iteration: it looks like a contact scheme, but is
+/// none.
 struct PlainMidpoint {
   template <class P, class X>
   struct Stepper {
@@ -211,13 +212,13 @@ TEST(ContactStructure, GenericOscillatorKeepsItsEnergyAndItsEntropyNeverFalls) {
       EXPECT_EQ(runs::number(reports, "entropy/final") > runs::number(reports, "entropy/initial"), gamma > 0);
     }
   EXPECT_GT(runs::number(run("runge_kutta_4", "", 0.1, 0.1), "energy/max_abs_error"), 1e-8);
-  // Not so where γh is large: a negative stage cools.
+  // Where γh is large entropy may fall: a negative stage of the composition cools.
   EXPECT_FALSE(monotone(run("contact_splitting", "yoshida_4", 1, 5, 10, 1e6)));
 }
 
 // ---- the slope of a van der Pol orbit
 
-// Left to itself the slope is the flow's: v̇/v, with a pole wherever the orbit turns.
+// The default slope is that of the flow, v̇/v, with a pole wherever the orbit turns.
 TEST(ContactStructure, SlopeOfTheFlow) {
   Request request = runs::defaults("van_der_pol", "contact_splitting");
   runs::set(request, "composition", "kahan_li_8");
@@ -232,7 +233,7 @@ TEST(ContactStructure, SlopeOfTheFlow) {
   }
   const auto& poles = runs::list(result.outcome.diagnostics, "poles");
   EXPECT_GE(turns, 8U);
-  EXPECT_EQ(std::ranges::count_if(poles, [](double t) { return t > 0; }), long(turns));  // the start is one, too
+  EXPECT_EQ(std::ranges::count_if(poles, [](double t) { return t > 0; }), long(turns));  // the start is a pole, too
 }
 
 }  // namespace

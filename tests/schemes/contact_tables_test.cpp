@@ -55,7 +55,7 @@ TEST(ContactTable, ModulatedOscillator) {
   check("contact_splitting", "kahan_li_6", 1.49e-8);
   EXPECT_LT(modulated_error("contact_splitting", "kahan_li_8", 0.1), 1e-11);
 }
-// A scheme that reads α at the wrong time of the step is of order 1.
+// A scheme that evaluates α at a wrong time of the step is of order 1.
 TEST(ContactTable, DampingInTimeIsReadAtTheProperEnds) {
   for (const char* scheme : {"contact_leapfrog", "contact_splitting", "contact_variational_midpoint"})
     for (const double h : {0.05, 0.025, 0.0125}) {
@@ -93,7 +93,7 @@ TEST(ContactTable, PerturbedKepler) {
   EXPECT_LT(error("contact_splitting", "kahan_li_8", 0.05), 1e-11);
 }
 
-/// Distance from the start after `steps` steps there and as many back.
+/// there_and_back() returns the distance from the start after `steps` steps of length h and as many back.
 template <class Scheme>
 double there_and_back(const Scheme& scheme, int steps, double h) {
   const PerturbedKepler<> problem;
@@ -161,8 +161,8 @@ TEST(ContactTable, DampedOscillator) {
     EXPECT_NEAR(damped_error(scheme, 1, 15) / strong, 1, 0.02) << scheme;
   }
 }
-// H e^{αt} stays: what the geometry is for, and what a scheme of the same order without it loses in proportion to time.
-// The midpoint rule, which keeps quadratic energies where nothing damps, does better.
+// H e^{αt} is conserved: contact schemes keep it, and a scheme of the same order without the structure loses it in
+// proportion to time. The midpoint rule, which conserves quadratic energies without damping, does better.
 TEST(ContactTable, DampedOscillatorKeepsTheDecayOfItsEnergy) {
   const auto residual = [](std::string_view scheme, double end) {
     Request request = request_for("damped_oscillator", scheme, "", 0.1);

@@ -1,5 +1,5 @@
-// The discrete energy of variational schemes: against what it is by definition, as a column, and its jumps and those of
-// what the motion keeps where a hybrid switches.
+// The discrete energy of variational schemes: against its definition, as a column, and its jumps, and those of
+// conserved quantities, where a hybrid switches.
 #include "core/run/discrete_energy.hpp"
 
 #include <gtest/gtest.h>
@@ -22,8 +22,8 @@ X stepped(const Scheme& scheme, const P& problem, X x, double h) {
   return x;
 }
 
-/// The action S of a step generates it, dS = p₁·dq₁ − p₀·dq₀ − E_d dh. So E_d has the slopes ω(∂x₁/∂x₀, ∂x₁/∂h) by the
-/// state the step begins with, whatever S is; and it is H at h = 0.
+/// The action S of a step generates it: dS = p₁·dq₁ − p₀·dq₀ − E_d dh. So the derivatives of E_d by the initial state
+/// x₀ are ω(∂x₁/∂x₀, ∂x₁/∂h), whatever S is; and E_d = H at h = 0.
 template <class Scheme, class P, class X>
 void generates_the_step(const Scheme& scheme, const P& problem, const X& x, double h, double slack = 1e-7) {
   constexpr double d = 1e-5;
@@ -63,7 +63,7 @@ TEST(DiscreteEnergy, IsWhatTheActionOfAStepSays) {
 
 using Carried = State<1, double, double, Action<double>>;
 
-/// −∂/∂h of h L(q, (q₁ − q₀)/h, s, t), the point of the path and its s and t held.
+/// own_energy() returns −∂/∂h of h L(q, way/h, s, t) with q, s and t held fixed; way = q₁ − q₀.
 template <class P>
 double own_energy(const P& m, double way, double h, double q, double s, double t) {
   using D = Dual<double, 1>;
@@ -87,7 +87,7 @@ void check_contact(const P& m) {
   b = stepped(ContactVariationalMidpoint{}, m, a, h);
   EXPECT_NEAR(discrete_energy(ContactVariationalMidpoint{}, m, a, h),
               own_energy(m, b.q[0] - a.q[0], h, 0.5 * (a.q[0] + b.q[0]), 0.5 * (s0 + b.action.s), t + h / 2), 1e-14);
-  // Of stages along a path it is the mean of H over the step, to fourth order.
+  // For a scheme with stages along a path it is the mean of H over the step, to fourth order.
   const auto off = [&](double length) {
     constexpr int parts = 100;
     double mean = 0;
@@ -106,7 +106,7 @@ TEST(DiscreteEnergy, OfContactSchemes) {
   check_contact(DrivenOscillator<>{2, 0.3, 0.5, 1.1, 0.2});
   check_contact(ModulatedOscillator<>{2, 0.5, 1.3});
   check_contact(CosmologicalOscillator<>{0.7, 1.2});
-  // Without damping it is that of the conservative twin.
+  // Without damping it equals that of the conservative twin.
   const Carried a{0, {0.7}, {0.6}, {0}};
   EXPECT_NEAR(discrete_energy(ContactGalerkin4{}, DampedOscillator<>{2, 0}, a, 0.3),
               discrete_energy(Galerkin4{}, HarmonicOscillator<>{1, 2}, State<1>{0, {0.7}, {0.6}, {}}, 0.3), 1e-14);
@@ -124,8 +124,8 @@ const std::set<std::string> variational{"symplectic_euler",     "leapfrog",
                                         "contact_leapfrog",     "contact_symplectic_euler",
                                         "contact_galerkin_4",   "contact_variational_midpoint"};
 
-/// Null before the first step and on schemes that have none; whoever asks for it gets the same run; the value of a step
-/// does not depend on which steps are kept.
+/// The column is null before the first step and for schemes without a discrete energy. Asking for it does not change
+/// the run, and the value of a step does not depend on which steps are kept.
 TEST(DiscreteEnergy, IsAColumnOfTheLastStep) {
   for (const char* problem : {"kepler", "double_pendulum", "driven_oscillator", "cosmological_oscillator"})
     for (const std::size_t index : runs::problem_card(problem).schemes) {
@@ -156,9 +156,10 @@ TEST(DiscreteEnergy, IsAColumnOfTheLastStep) {
     }
 }
 
-/// Near H, by the square of the step; of symmetric steps the same from both sides.
+/// A sample has the discrete energy of the last step that ends before it or at it, also where that step is a shorter
+/// one.
 TEST(DiscreteEnergy, OfASampleIsThatOfTheStepBeforeIt) {
-  const double h = 0.125;  // samples on its grid are no others for round-off
+  const double h = 0.125;  // exact in binary, so that sample times on the grid are grid times
   Request request = runs::defaults("kepler", "leapfrog");
   runs::set(request, "step", h);
   ask_column(request, "discrete_energy");
@@ -189,7 +190,7 @@ double part(const Report& event, std::string_view path) {
   return runs::number(std::get<std::vector<Report>>(event.value), path);
 }
 
-/// As published: E₀ along the coordinate, and after the exit still, which is what its step in time is chosen for.
+/// As published: it is E₀ along the coordinate, and still after the exit, because the step in time is chosen for that.
 TEST(DiscreteEnergy, OfTheHybridAndItsJumps) {
   for (const double midpoint : {0, 1}) {
     Request request = runs::defaults("kepler", "jacobi_maupertuis");

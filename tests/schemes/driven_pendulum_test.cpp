@@ -1,6 +1,6 @@
-// A pendulum pushed in a steady rhythm, H = p²/2 − cos q − A q cos(Ωt): conservative in its form, but not in energy.
-// Schemes read the potential at the times at which their discrete Lagrangian or their stages stand; those that live on
-// an energy level do not exist here.
+// A pendulum pushed with a period, H = p²/2 − cos q − A q cos(Ωt): conservative in its form, but its energy changes.
+// Schemes evaluate the potential at the times of their discrete Lagrangian or their stages; schemes that need an energy
+// level do not take this problem.
 #include <set>
 
 #include "core/catalogue/compiled.hpp"

@@ -1,4 +1,4 @@
-// energy_momentum against its equations, what it keeps, and where it finds no length for its steps.
+// energy_momentum against its equations, what it keeps, and where no length of a step keeps the energy.
 #include "core/schemes/energy_momentum.hpp"
 
 #include "core/problems/double_pendulum.hpp"
@@ -18,7 +18,7 @@ static_assert(!FixedStepSchemeFor<EnergyMomentum, DoublePendulum<>>);
 
 const State<2> ellipse{0, {1, 0}, {0, 0.8}, {}}, linked{0, {1, 0.5}, {0, 0}, {}};
 
-/// h L((q₀+q₁)/2, (q₁−q₀)/h), in the number of its arguments q₀, q₁, h of a problem of two degrees of freedom.
+/// h L((q₀+q₁)/2, (q₁−q₀)/h), in the number type of its arguments q₀, q₁, h, for two degrees of freedom.
 template <class P>
 Dual<double, 5> action(const P& m, const Vec<5, Dual<double, 5>>& y) {
   using D = Dual<double, 5>;
@@ -72,11 +72,11 @@ TEST(EnergyMomentum, KeepsDiscreteEnergyAndAngularMomentum) {
   EXPECT_EQ(stepper.fallback_steps(), 0);
   EXPECT_LT(discrete, 1e-14);
   EXPECT_LT(turned, 1e-12);
-  EXPECT_LT(off, 2e-4);  // the energy itself is off by O(h²), for ever
+  EXPECT_LT(off, 2e-4);  // the energy H itself has an error O(h²) that does not grow
   EXPECT_GT(off, 1e-5);
 }
 
-/// Of short steps the last digits of E_d say little about h: what they do say is enough.
+/// For short steps round-off of E_d hides most of its dependence on h: what is left suffices.
 TEST(EnergyMomentum, GoesOnWhereRoundOffBlursTheLength) {
   for (const double h : {1e-3, 1e-4, 1e-5}) {
     auto x = ellipse;
@@ -87,7 +87,7 @@ TEST(EnergyMomentum, GoesOnWhereRoundOffBlursTheLength) {
   }
 }
 
-/// At fixed E₀, to round-off: the derivatives grow as 1/h, and the defect is their square's.
+/// Symplectic at fixed E₀, to round-off: the derivatives grow as 1/h, and the defect as their square.
 TEST(EnergyMomentum, IsSymplecticAtFixedEnergy) {
   const auto check = [](const auto& problem, State<2> x, double h) {
     const EnergyMomentum scheme{h};
@@ -109,7 +109,7 @@ TEST(EnergyMomentum, IsSymplecticAtFixedEnergy) {
   check(Kepler<>{}, ellipse, 0.04);
 }
 
-/// A pendulum that goes over the top: E_d − H changes its sign on the way, and with it the lengths that keep E_d end.
+/// A rotating pendulum: E_d − H changes its sign on the way, and there no length keeps E_d.
 TEST(EnergyMomentum, GoesAtTheNominalLengthWhereThereIsNoOther) {
   const Pendulum<> pendulum;
   const EnergyMomentum scheme{0.05};
@@ -151,7 +151,7 @@ TEST(EnergyMomentum, SaysHowManyStepsItFoundNoLengthFor) {
   for (const Warning& warning : runs::go(request).outcome.warnings) EXPECT_NE(warning.code, "steps_in_time");
 }
 
-/// At rest every length keeps E_d; at the nominal one it stays where it is.
+/// At rest every length keeps E_d; the nominal one is taken, and the state stays.
 TEST(EnergyMomentum, RestsAtAnEquilibrium) {
   State<1> x{0, {0}, {0}, {}};
   auto stepper = clocks::bound(EnergyMomentum{0.1}, Pendulum<>{}, x);

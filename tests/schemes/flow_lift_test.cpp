@@ -1,5 +1,5 @@
-// lifted_splitting on equations alone: its orders, there and back, the contact elements that its derivative takes
-// along, volumes, and what it says of what it does not take.
+// lifted_splitting on equations alone: its orders, reversal, the derivative of a step (with which contact elements are
+// transported), volumes, and what it refuses.
 #include "core/schemes/flow_lift.hpp"
 
 #include <gtest/gtest.h>
@@ -37,21 +37,21 @@ Flow van_der_pol() {
           {1, 0.2},
           2};
 }
-/// In the plane of Liénard, x is in its own rate to the fifth power.
+/// In the plane of Liénard, ẋ depends on x to the fifth power.
 Flow lienard() {
   return {"lienard",
           flow({"x", "y"}, {{"e", 0.5}}, {{"x", "y - e*(0.8*x - 4*x^3/3 + 0.32*x^5)"}, {"y", "-x"}}),
           {1.3, 0},
           2};
 }
-/// Two swings that pull at each other: all places go together, and all velocities.
+/// Two coupled pendulums: all positions are one part, and all velocities another.
 Flow swings() {
   return {"swings",
           flow({"x", "vx", "y", "vy"}, {}, {{"x", "vx"}, {"vx", "-sin(x) + y/5"}, {"y", "vy"}, {"vy", "-y^3 + x/5"}}),
           {1, 0, 0.5, 0.3},
           2};
 }
-/// The motion of one point and how nothing else than its own rate depends on it.
+/// One variable, whose rate depends on itself.
 Flow alone() { return {"alone", flow({"x"}, {}, {{"x", "sin(x)*cos(t) - x^3/5"}}), {0.7}, 1}; }
 std::vector<Flow> flows() { return {lorenz(), van_der_pol(), lienard(), swings(), alone()}; }
 
@@ -100,7 +100,7 @@ TEST_P(FlowLiftOf, HasTheOrderOfTheComposition) {
                                              {"kahan_li_6", 6},
                                              {"kahan_li_8", 8},
                                              {"sofroniou_spaletta_10", 10}}) {
-      // Sums of large terms, as extrapolations are, round more; Lorenz's equations let errors grow.
+      // Extrapolations are sums of large terms and round more, and Lorenz's equations let errors grow.
       const bool sums = lift == std::string("extrapolation");
       const double rounding = sums ? 1e-9 : 1e-12;
       double seen = unknown, before = 1;
@@ -109,7 +109,7 @@ TEST_P(FlowLiftOf, HasTheOrderOfTheComposition) {
         runs::set(request, "composition", composition);
         runs::set(request, "lift", lift);
         const auto outcome = runs::go(request).outcome;
-        if (outcome.stop.reason != ReturnCode::completed) continue;  // steps that are too long
+        if (outcome.stop.reason != ReturnCode::completed) continue;  // these steps are too long
         const double error = distance(final_of(request), known);
         if (before < 1e-3 && error > rounding) seen = std::log2(before / error);
         before = error;
@@ -121,8 +121,8 @@ TEST_P(FlowLiftOf, HasTheOrderOfTheComposition) {
       ++looked;
       const double near = order < 8 ? 0.35 : 1.5;
       EXPECT_GT(seen, order - near) << composition << " " << lift;
-      // Where nothing is split the errors of the extrapolation are of its own, higher order at first; of order 10 the
-      // last step above round-off may be too long to show it.
+      // Where nothing is split the errors at first are those of the extrapolation, which has a higher order; at order
+      // 10 the last step above round-off may be too long to show the order.
       if (!sums && order < 10) {
         EXPECT_LT(seen, order + near) << composition << " " << lift;
       }
@@ -140,8 +140,8 @@ TEST_P(FlowLiftOf, ReturnsByTheStepsItCameBy) {
   }
 }
 
-// Contact elements are taken along by the derivative of a step: that by dual numbers is the one of the step itself,
-// as near as differences of whole steps come to it.
+// Contact elements are transported by the derivative of a step: the derivative by dual numbers agrees with differences
+// of whole steps, within their error.
 TEST_P(FlowLiftOf, HasTheDerivativeOfItsOwnSteps) {
   const text::FlowParts flow = parts_of(tested().definition);
   const LiftedSplitting scheme{0.05, Composition::kahan_li_6};
@@ -170,8 +170,8 @@ TEST_P(FlowLiftOf, HasAsFewPartsAsItsRatesAllow) {
 INSTANTIATE_TEST_SUITE_P(, FlowLiftOf, testing::ValuesIn(flows()),
                          [](const auto& tested) { return tested.param.name; });
 
-// Of Lorenz's equations each part has a number for its divergence, all together −(σ + 1 + β): volumes contract by the
-// motion's own factor at any step. Steps by Runge–Kutta or by the midpoint of all do not.
+// Each part of Lorenz's equations has a constant divergence, −(σ + 1 + β) together: volumes contract by the true factor
+// at any step. Steps by Runge–Kutta or by the midpoint rule of the whole do not do that.
 TEST(FlowLift, ContractsVolumesAsLorenzDoes) {
   const text::FlowParts flow = parts_of(lorenz().definition);
   std::vector<double> derivative;
@@ -184,7 +184,7 @@ TEST(FlowLift, ContractsVolumesAsLorenzDoes) {
   }
 }
 
-// ẋ = v, v̇ = f(x): the parts are a drift and a kick.
+// For ẋ = v, v̇ = f(x) the parts are a drift and a kick.
 TEST(FlowLift, OfASeparableMotionIsLeapfrog) {
   const Flow pendulum{"pendulum", flow({"q", "v"}, {}, {{"q", "v"}, {"v", "-sin(q)"}}), {1, 0.2}, 2};
   Request request = request_of(pendulum, "lifted_splitting", 0.1, 10);
@@ -199,7 +199,8 @@ TEST(FlowLift, OfASeparableMotionIsLeapfrog) {
   EXPECT_NEAR(found[1], v, 1e-13);
 }
 
-// The motion of x is that of H = p·X to the last bit, where the same scheme takes p along and keeps the form.
+// The motion of x has the same bits as by the same scheme for H = p·X, which carries p along and keeps the symplectic
+// form.
 TEST(FlowLift, IsTheMotionOfALiftWithoutItsMomenta) {
   const Definition whole =
       of(Definition::Kind::hamiltonian, {"x", "v"}, {{"epsilon", 1}}, "px*v + pv*(epsilon*(1 - x^2)*v - x + cos(t)/3)");
@@ -260,8 +261,8 @@ TEST(FlowLift, SaysWhatItDoesNotTake) {
             std::string::npos);
 }
 
-// Problems of the catalogue say their rates once, and steps are made of these, with the parameters of the request.
-// Where the problem's own flows move a variable each, it is the same map as the splitting of those.
+// Steps of problems of the catalogue are made from their rates, with the parameters of the request. Where each of the
+// problem's own flows moves one variable, the map is the same as the splitting into those flows.
 TEST(FlowLiftOfTheCatalogue, IsTheSplittingOfTheFlowsOfAProblem) {
   for (const auto& [id, parameter, value] : {std::tuple{"van_der_pol", "epsilon", 3.0}, {"lorenz", "rho", 20.0}})
     for (const char* composition : {"none", "kahan_li_6"}) {
@@ -275,7 +276,7 @@ TEST(FlowLiftOfTheCatalogue, IsTheSplittingOfTheFlowsOfAProblem) {
       }
       const auto a = final_of(lifted), b = final_of(split);
       for (std::size_t i = 0; i < a.size(); ++i) {
-        if (std::isnan(b[i])) continue;  // the slope, which nobody asks for here
+        if (std::isnan(b[i])) continue;  // the slope, which is not asked for here
         EXPECT_NEAR(a[i], b[i], 1e-11 * (1 + std::abs(b[i]))) << id << " " << composition;
       }
     }
@@ -313,7 +314,8 @@ TEST(FlowLiftOfTheCatalogue, HasTheOrderOfTheCompositionOnEveryFlow) {
   if (flows == 0) GTEST_SKIP() << "no flow of the catalogue is built";
 }
 
-// The contact element of the plane of x and v, (S̄_q + p S̄_s)/(Q_q + p Q_s) of a step (x, v) ↦ (Q, S̄).
+// The slope of the contact element in the plane of x and v after a step (x, v) ↦ (Q, S̄) is (S̄_q + p S̄_s)/(Q_q + p
+// Q_s).
 TEST(FlowLiftOfTheCatalogue, TakesTheSlopeAlongByItsDerivative) {
   Request request = runs::defaults("van_der_pol", "lifted_splitting");
   runs::show_all(request);

@@ -1,5 +1,5 @@
-// harmonic_splitting on scenes as text: its orders, in the step and in what disturbs, the form, there and back, fast
-// oscillators that no step resolves.
+// harmonic_splitting on scenes as text: its orders in the step and in the perturbation, the symplectic form, reversal,
+// and fast oscillators that no step resolves.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,14 +25,14 @@ Scene henon_heiles() {
           of(typed_l, {"x", "y"}, {{"e", 0.3}}, "(vx^2 + vy^2)/2 - (x^2 + y^2)/2 - e*y*(x^2 - y^2/3)"),
           {0.3, 0.2, 0.1, 0.4}};
 }
-/// Masses that are not diagonal, oscillators that pull at each other, and a drive.
+/// A mass matrix that is not diagonal, coupled oscillators, and a drive.
 Scene coupled() {
   return {
       "coupled",
       of(typed_h, {"x", "y"}, {{"e", 0.3}}, "px^2/2 + py^2 + px*py/3 + (x^2 + 2*y^2 + x*y)/2 + e*x^4 + e*x*cos(2*t)"),
       {0.3, 0.2, 0.1, 0.4}};
 }
-/// A direction in which V falls, one that is free, and masses.
+/// A direction in which V falls, one that is free, and unequal masses.
 Scene saddle() {
   Scene made{"saddle",
              of(typed_v, {"x", "y", "z"}, {{"e", 0.3}}, "-x^2/2 + 2*y^2 + x*y + e*(x^4 + z^4)"),
@@ -40,7 +40,7 @@ Scene saddle() {
   made.definition.masses = {{"y", "2"}, {"z", "0.5"}};
   return made;
 }
-/// A chain of Fermi, Pasta and Ulam of nine masses: no class is compiled for so many.
+/// A chain of Fermi, Pasta and Ulam with nine masses: more coordinates than any compiled class has.
 Scene chain() {
   Scene made{"chain", of(typed_v, {}, {{"e", 0.3}}, "0"), {}};
   constexpr int n = 9;
@@ -71,8 +71,8 @@ double error_of(Request request, const Scene& scene, double e, std::string_view 
 
 struct Row {
   const char *setting, *value;
-  int order;        ///< where what disturbs is not small
-  int small_order;  ///< of the part that is linear in it; 0: round-off hides it, or what is quadratic in it is as large
+  int order;        ///< where the perturbation is not small
+  int small_order;  ///< of the part linear in it; 0: hidden by round-off or by the quadratic part
 };
 const Row rows[] = {{"composition", "none", 2, 2},       {"composition", "suzuki_4", 4, 4},
                     {"composition", "kahan_li_6", 6, 6}, {"composition", "kahan_li_8", 8, 0},
@@ -81,7 +81,7 @@ const Row rows[] = {{"composition", "none", 2, 2},       {"composition", "suzuki
 
 class HarmonicSplittingOf : public testing::TestWithParam<Scene> {};
 
-// Two-sided: the last of the halvings whose errors are small and above round-off.
+// The order is checked from both sides, at the last of the halved steps whose errors are small and above round-off.
 TEST_P(HarmonicSplittingOf, HasItsOrders) {
   for (const Row& row : rows) {
     double seen = unknown, before = 1;
@@ -94,7 +94,7 @@ TEST_P(HarmonicSplittingOf, HasItsOrders) {
       EXPECT_EQ(row.order, 8) << "no two steps between 1e-3 and round-off: " << row.value;
       continue;
     }
-    // Of saba and aba the part that is quadratic in what disturbs is seen last.
+    // For saba and aba the part quadratic in the perturbation is the last to be seen.
     const bool mixed = row.setting == std::string("splitting");
     EXPECT_NEAR(seen, row.order, mixed ? 0.8 : row.order == 8 ? 1 : 0.3) << row.value;
   }
@@ -132,7 +132,7 @@ TEST_P(HarmonicSplittingOf, IsTheSameHoweverItIsRecorded) {
 INSTANTIATE_TEST_SUITE_P(, HarmonicSplittingOf, testing::ValuesIn(scenes()),
                          [](const auto& tested) { return tested.param.name; });
 
-// Where what disturbs is small the error is linear in it, and of a higher order in the step for saba and aba.
+// Where the perturbation is small the error is linear in it, and for saba and aba of a higher order in the step.
 TEST(HarmonicSplitting, HasItsOrdersInWhatDisturbs) {
   constexpr double e = 1e-5, end = 4.8;
   for (const Row& row : rows) {
@@ -148,7 +148,7 @@ TEST(HarmonicSplitting, HasItsOrdersInWhatDisturbs) {
   }
 }
 
-// Without anything beyond the oscillators steps of any length are exact.
+// Without a perturbation of the oscillators, steps of any length are exact.
 TEST(HarmonicSplitting, OfOscillatorsAloneIsExact) {
   Scene scene = coupled();
   Request request = request_of(scene, 7, 70), truth = request_of(scene, 0, 70, "taylor");
@@ -157,7 +157,7 @@ TEST(HarmonicSplitting, OfOscillatorsAloneIsExact) {
   EXPECT_LT(distance(final_of(request), final_of(truth)), 1e-12);
 }
 
-// A stiff spring of 1000 turns in the time of one of the soft ones: leapfrog would have to resolve it.
+// A stiff spring that oscillates 1000 times in a period of the soft one: leapfrog would have to resolve it.
 TEST(HarmonicSplitting, GoesOverFastOscillators) {
   const Scene stiff{
       "stiff", of(typed_v, {"x", "y"}, {{"e", 0.1}}, "x^2/2 + 1e6*y^2/2 + e*x^2*y + e*x^4"), {1, 0, 0, 0.5}};
@@ -167,7 +167,7 @@ TEST(HarmonicSplitting, GoesOverFastOscillators) {
   EXPECT_NE(runs::go(request_of(stiff, 0.05, 200, "leapfrog")).outcome.stop.reason, ReturnCode::completed);
 }
 
-// A long run of a chain: the energy swings and stays.
+// A long run of a chain: the energy error stays bounded.
 TEST(HarmonicSplitting, KeepsTheEnergyOfAChain) {
   const auto error = [&](double end) { return energy_error(request_of(chain(), 0.4, end)); };
   EXPECT_LT(error(100'000), 2 * error(1000));

@@ -1,5 +1,5 @@
 // The Jacobi–Maupertuis hybrid on orbits: the published passage of the periapsis, orders in shape and in time, runs
-// through the catalogue with their events and samples, and what the scheme does not keep.
+// through the catalogue with their events and samples, and what the scheme does not conserve.
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -16,7 +16,7 @@ using namespace clocks;
 
 const Kepler<> planet;
 
-/// As published, but for the exit: order 2, slope rule, no root, no step control, no hysteresis.
+/// The scheme as published, except for the exit: order 2, slope rule, no root, no step control, no hysteresis.
 JacobiMaupertuis published(Quadrature quadrature, double h) {
   JacobiMaupertuis scheme{h, h, 0.75, quadrature, ParameterRule::slope};
   scheme.energy_root = false;
@@ -33,11 +33,11 @@ JacobiMaupertuis composed(int order, double h, double alpha_max = off, Quadratur
   return scheme;
 }
 
-/// From x through so many revolutions, to the crossing of x = 0, y < 0.
+/// Passage is what happens from x through `revolutions` revolutions, to the crossing of x = 0, y < 0.
 struct Passage {
   int slow = 0, fast = 0, switches = 0, changes = 0;  ///< steps in time and along a coordinate; events between them
   double exit = 0;                                    ///< the first step in time after the last passage
-  double t = off, energy = off, momentum = off, apsis = off;  ///< at the crossing; the last three: what changed
+  double t = off, energy = off, momentum = off, apsis = off;  ///< at the crossing; the last three: changes
 };
 template <class T = double>
 Passage passage(const JacobiMaupertuis& scheme, const State<2>& start = paper, int revolutions = 1) {
@@ -169,7 +169,7 @@ TEST(JacobiMaupertuisOrbits, MirroredOrbitsAreMirrored) {
 
 // ---- orders, in shape and in time
 
-/// Slopes of root mean squares over starts spread over the orbit: where a passage meets the grid is chance.
+/// Slopes of root mean squares over starts spread along the orbit, because it is chance where a passage meets the grid.
 template <class T>
 void has_order(JacobiMaupertuis scheme, double order, const std::vector<double>& settings) {
   std::vector<std::pair<double, double>> shape, time;
@@ -218,7 +218,7 @@ TEST(JacobiMaupertuisOrbits, ThousandPeriodsKeepTheEnergyAndNotTheAngularMomentu
   EXPECT_LE(number("momenta/angular_momentum/max_abs_error"), 4e-4);
   EXPECT_GE(number("momenta/angular_momentum/max_abs_error"), 1e-6);  // known: it drifts
 }
-// Known: there through the passage and back again misses the start by more than rounding.
+// Known: through the passage and back again, the orbit misses the start by more than rounding.
 TEST(JacobiMaupertuisOrbits, IsNotReversible) {
   auto x = paper;
   auto there = bound(composed(4, 0.01, 0.1), planet, x);
@@ -277,7 +277,7 @@ TEST(JacobiMaupertuisRuns, EventsTellWhatTheColumnsTell) {
     EXPECT_EQ(text(event, "from"), switched ? mode_names[std::size_t(was[5])] : names[std::size_t(was[6])]);
     EXPECT_EQ(text(event, "to"), switched ? mode_names[std::size_t(is[5])] : names[std::size_t(is[6])]);
     EXPECT_EQ(text(event, "parameter"), is[5] == 0 ? "" : names[std::size_t(is[6])]);
-    // In above K_c, out below .9 of it, not a step later than need be.
+    // It enters above K_c and leaves below .9 of it, and not a step later than necessary.
     const auto kinetic = [](const auto& row) { return (row[3] * row[3] + row[4] * row[4]) / 2; };
     if (!switched) continue;
     const double bound = is[5] == 1 ? 0.75 : 0.9 * 0.75;
@@ -336,11 +336,11 @@ TEST(JacobiMaupertuisRuns, RecordingChangesNothing) {
   EXPECT_EQ(counted.rows.back(), all.rows[1500]);
 }
 
-// Bounds: twice what they are.
+// Each bound is twice the measured value.
 TEST(JacobiMaupertuisRuns, DefaultsComplete) {
   struct Row {
     const char* problem;
-    double error, energy, critical = off;  ///< the last where the default never steps along a coordinate
+    double error, energy, critical = off;  ///< set where the default never steps along a coordinate
   };
   for (const auto& row : {Row{"kepler", 1.1e-5, 1e-9},
                           {"kepler_3d", 1.1e-7, 7e-10},

@@ -43,7 +43,7 @@ double number(const json& text) { return std::stod(text.get<std::string>()); }
 Vec<2> pair(const json& texts) { return {number(texts[0]), number(texts[1])}; }
 Quadrature quadrature(const json& text) { return text == "mid" ? Quadrature::midpoint : Quadrature::trapezoid; }
 
-/// What the action of a step from a to b is made of.
+/// Secant has the parts of the discrete action of a step from a to b: the velocity, the midpoint and the mean terms.
 template <class P>
 struct Secant {
   Vec<P::dof> v, middle;
@@ -58,7 +58,7 @@ struct Secant {
                                         : LagrangianTerms<P, double>(left, right);
   }
 };
-/// (−D₁A_d)_σ − p_σ of a step that was taken: what the equation left out is off by.
+/// left_out() returns (−D₁A_d)_σ − p_σ of a step: the residual of the one equation that the step does not solve.
 template <class P>
 double left_out(const P& problem, Quadrature rule, const StepEnd<P, double>& from, const StepEnd<P, double>& to,
                 std::size_t sigma) {
@@ -110,7 +110,7 @@ TEST(JacobiMaupertuis, PaperExitSolvesItsEquation) {
 
 // ---- the energy of a step
 
-/// max |E_d − E₀|/max(1, |V̄|) over a passage of single steps along a coordinate; how many there were.
+/// energy_of_steps() returns max |E_d − E₀|/max(1, |V̄|) over single steps along a coordinate, and their number.
 template <class P>
 std::pair<double, int> energy_of_steps(const P& problem, Quadrature rule, State<P::dof> x, double span) {
   JacobiMaupertuis scheme{0.01, 0.01, 0.75, rule};
@@ -147,7 +147,8 @@ TEST(JacobiMaupertuis, EveryStepAlongACoordinateHasTheLevelsEnergy) {
 
 // ---- structure
 
-/// The defect of a step in the variables other than q^σ and p_σ, both held fixed, with E₀.
+/// defect_without() returns the symplectic defect of a step in the variables other than q^σ and p_σ; these and E₀ are
+/// held fixed.
 template <class P, class Step>
 double defect_without(const P& problem, const State<P::dof>& x, std::size_t sigma, Step&& step) {
   constexpr std::size_t n = P::dof;
@@ -164,7 +165,8 @@ double defect_without(const P& problem, const State<P::dof>& x, std::size_t sigm
   for (std::size_t k = 0; k < kept.size(); ++k) m[k] = y[kept[k]].slope;
   return symplectic_defect(m);
 }
-/// The largest over single steps of both quadratures along each coordinate, from states along the orbit.
+/// defect_of_steps() returns the largest of these defects over single steps of both quadratures along each coordinate,
+/// from states along the orbit.
 template <class P>
 double defect_of_steps(const P& problem, State<P::dof> x) {
   const double level = energy(problem, x);
@@ -201,7 +203,7 @@ TEST(JacobiMaupertuis, ComposedWithTheEnergyRootToo) {
   for (const Quadrature rule : quadratures) {
     JacobiMaupertuis scheme{0.02, 0.02, 0, rule};
     scheme.alpha_max = off;
-    scheme.parameter_hysteresis = 1;  // the choice of the coordinate follows from the state
+    scheme.parameter_hysteresis = 1;  // with this value the choice of the coordinate follows from the state
     auto x = tilted;
     const double level = energy(kepler, x);
     auto stepper = scheme.bind(kepler, x, level);
@@ -230,7 +232,8 @@ TEST(JacobiMaupertuis, IsNotSymplecticOnTheWholePhaseSpace) {
 
 // ---- which coordinate, and how far
 
-/// Every step along a coordinate is along the one, and of the length, that the rules give; the most halvings met.
+/// follows_the_rules() checks that every step along a coordinate has the coordinate and the length that the rules give.
+/// It returns the largest number of halvings.
 template <class P>
 int follows_the_rules(const P& problem, const JacobiMaupertuis& scheme, State<P::dof> x, double span) {
   const double level = energy(problem, x);
@@ -271,7 +274,7 @@ TEST(JacobiMaupertuis, StepsAlongTheFastestCoordinateAndHalvesWhereItTurns) {
 
 // ---- cost
 
-/// Counts how often the derivatives of its potential are asked for.
+/// Watched counts the evaluations of the derivatives of its potential.
 struct Watched : Kepler<> {
   static inline std::int64_t calls = 0;
   template <class T, class S>
@@ -312,7 +315,7 @@ TEST(JacobiMaupertuis, SolvesASubstepInFewIterations) {
 
 // ---- one degree of freedom
 
-// The time at which the rotating pendulum is where it is at t = 1, by numbers of steps.
+// The error of the time at which the rotating pendulum reaches its position at t = 1, for several numbers of steps.
 TEST(JacobiMaupertuis, TimeIsASixthOrderQuadratureInOneDimension) {
   const Pendulum<> pendulum;
   const State<1> start{0, {0}, {2.5}, {}};
@@ -348,7 +351,7 @@ TEST(JacobiMaupertuis, CollisionsAndRests) {
   EXPECT_EQ(runs::go(request).outcome.stop.reason, ReturnCode::parameter_step_underflow);
 }
 
-// A coordinate's step that is far too long ends in steps of time, which are counted, and the passage is left again.
+// A step along a coordinate that is far too long is replaced by steps in time, which are counted, and the passage ends.
 TEST(JacobiMaupertuis, StepsThatCannotBeTakenAreTakenInTime) {
   auto request = runs::defaults("kepler", "jacobi_maupertuis");
   request.columns = {runs::position(runs::card(request).columns, "mode", &least::ColumnCard::name)};

@@ -1,5 +1,5 @@
-// The flow along Kepler's orbits that kepler_splitting takes its drifts from: against the closed form of conic
-// sections, and against the same in more digits.
+// The Kepler flow that kepler_splitting uses for its drifts: against the closed form of conic sections, and against the
+// same algorithm in more digits.
 #include "core/exact/kepler_flow.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ Motion moved(const Motion& from, double mu, double dt) {
   return to;
 }
 
-/// The place and the velocity on a conic section of periapsis 1 about μ = 1, at a time from there.
+/// Conic gives position and velocity on a conic section with periapsis 1 about μ = 1, at a time after the periapsis.
 struct Conic {
   Long e;
 
@@ -56,8 +56,8 @@ double off(const Motion& found, const std::array<Long, 4>& true_one) {
                          std::hypot(found.v[0] - true_one[2], found.v[1] - true_one[3]) / std::max(speed, 1.0L)));
 }
 
-// A rounding of the start changes the mean motion by some (1 + e)/|1 − e| of itself, which the time multiplies, and
-// from afar the place of a passage by as much as the distance.
+// A rounding error of the start changes the mean motion by a relative (1 + e)/|1 − e|, which grows with time; for a
+// start far away it changes the position at the passage in proportion to the distance.
 TEST(KeplerFlow, IsTheClosedForm) {
   for (const double e : {0.0, 0.01, 0.3, 0.6, 0.9, 0.99, 0.999, 1.001, 1.1, 2.0, 30.0})
     for (const double from : {-2.0, 0.0, 0.5, 30.0})
@@ -82,7 +82,7 @@ TEST(KeplerFlow, OfNearlyParabolicOrbitsIsTheSameInMoreDigits) {
       const Motion start{{0.8, 0.6}, {-0.6 * std::sqrt(2 + more), 0.8 * std::sqrt(2 + more)}};
       State<2, Long, Long> x;
       x.t = 0;
-      const Long sign = dt < 0 ? -1 : 1;  // what it is held against goes forward, that periods do not matter
+      const Long sign = dt < 0 ? -1 : 1;  // the reference goes forward, so that periods do not matter
       for (std::size_t i = 0; i < 2; ++i) x.q[i] = start.q[i], x.p[i] = sign * start.v[i];
       const auto end = two_body::propagate(x, 1.0L, sign * dt);
       EXPECT_LT(off(moved(start, 1, dt), {end.q[0], end.q[1], sign * end.p[0], sign * end.p[1]}), 1e-14)
@@ -104,7 +104,7 @@ TEST(KeplerFlow, ComesBackAndKeepsAreas) {
     }
 }
 
-// A change of 1e-9 of the state is told to the last digits, where the sum alone would have seven.
+// A change of 1e-9 of the state has all its digits; the new state less the old one would have seven.
 TEST(KeplerFlow, OfShortTimesIsAChange) {
   const Motion start{{1, 0}, {0, 1.1}};
   const auto c = two_body::kepler_change(dot(start.q, start.q), 0, dot(start.v, start.v), 1, 1e-9);

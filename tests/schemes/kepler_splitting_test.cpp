@@ -1,4 +1,4 @@
-// kepler_splitting on scenes as text: its laws, on few coordinates and on many, about a body and about a fixed centre.
+// kepler_splitting on scenes as text: its laws, with few coordinates and many, about a body and about a fixed centre.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,23 +12,23 @@ namespace {
 using namespace texts;
 constexpr auto typed_v = Definition::Kind::potential, typed_h = Definition::Kind::hamiltonian;
 
-/// A star of mass 1 and two planets of masses 3ε/2 and ε, in the plane; ε is small against 1 or not.
+/// A star of mass 1 and two planets of masses 3ε/2 and ε in a plane; ε need not be small.
 std::shared_ptr<const Mechanics> planets() {
   return mechanics_of(of(typed_h, {"x", "a", "b", "y", "c", "d"}, {{"e", 1e-3}, {"m", 1}},
                          "(px^2 + py^2)/(2*m) + (pa^2 + pc^2)/(3*e) + (pb^2 + pd^2)/(2*e)"
                          " - 1.5*m*e/sqrt((x-a)^2+(y-c)^2) - m*e*((x-b)^2+(y-d)^2)^(-1/2)"
                          " - 1.5*e^2/sqrt((a-b)^2+(c-d)^2)"));
 }
-/// At rest as a whole.
+/// The start of the planets, with the total momentum 0.
 std::vector<double> start_of_planets(double e) {
   const double a = 1.5 * e * 1.05, b = -e * 0.68;
   return {0, 1, -2.1, 0, 0, 0.3, 0, 0, e * 0.09, -a - b, a, b};
 }
-/// One body about a fixed centre, with a tide beside.
+/// One body about a fixed centre, with a tide as perturbation.
 std::shared_ptr<const Mechanics> tide() {
   return mechanics_of(of(typed_v, {"x", "y"}, {{"e", 1e-2}}, "-1/sqrt((x-1)^2 + (y+2)^2) + e*x^2*(1+cos(t)/2)"));
 }
-/// Nine coordinates: no class is compiled for them.
+/// Nine coordinates: more than any compiled class has.
 std::shared_ptr<const Mechanics> in_space() {
   Definition scene = of(typed_v, {"x1", "x2", "x3", "y1", "y2", "y3", "z1", "z2", "z3"}, {{"e", 1e-3}},
                         "-(1/sqrt((x1-x2)^2+(y1-y2)^2+(z1-z2)^2) + 2/sqrt((x1-x3)^2+(y1-y3)^2+(z1-z3)^2))*e"
@@ -49,7 +49,7 @@ Request request_of(std::shared_ptr<const Mechanics> mechanics, const std::vector
   if (scheme == "kepler_splitting") runs::set(request, "step", step);
   return request;
 }
-/// Of places; momenta of light bodies would not be seen.
+/// distance() compares positions only, because momenta of light bodies would not be seen.
 double distance(const std::vector<double>& a, const std::vector<double>& b) {
   double most = 0;
   for (std::size_t i = 0; i < a.size() / 2; ++i) {
@@ -61,17 +61,17 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 
 struct Row {
   const char *setting, *value;
-  int order;        ///< where what disturbs is not small
-  double step;      ///< for that
-  int small_order;  ///< of the part that is linear in it; 0: what is quadratic in it is as large, or round-off
+  int order;        ///< where the perturbation is not small
+  double step;      ///< a step for measuring that order
+  int small_order;  ///< of the part linear in it; 0: hidden by the quadratic part or by round-off
 };
 const Row rows[] = {{"composition", "none", 2, 0.02, 2},       {"composition", "suzuki_4", 4, 0.1, 4},
                     {"composition", "kahan_li_6", 6, 0.25, 6}, {"splitting", "saba_2", 2, 0.02, 4},
                     {"splitting", "saba_4", 2, 0.05, 0},       {"splitting", "aba_864", 4, 0.15, 8},
                     {"splitting", "aba_1064", 4, 0.2, 10}};
 
-// Two-sided: errors against the true motion at two steps, all of them above round-off. With e = 0.3 the second order in
-// what disturbs is seen.
+// The order is checked from both sides: errors against the true motion at two steps, all of them above round-off. With
+// e = 0.3 the error that is quadratic in the perturbation is seen.
 TEST(KeplerSplitting, HasItsOrders) {
   for (const char* coordinates : {"jacobi", "heliocentric"})
     for (const Row& row : rows) {
@@ -108,8 +108,8 @@ TEST(KeplerSplitting, OfATideThatChangesInTimeHasItsOrders) {
   }
 }
 
-// Where what disturbs is small the error is linear in it, and of a higher order in the step for saba and aba: over less
-// than a turn, that errors of a turn do not cancel.
+// Where the perturbation is small the error is linear in it, and for saba and aba of a higher order in the step; over
+// less than a revolution, so that errors of a revolution do not cancel.
 TEST(KeplerSplitting, HasItsOrdersInWhatDisturbs) {
   constexpr double end = 4.8, e = 1e-4;
   for (const Row& row : rows) {
@@ -174,7 +174,7 @@ TEST(KeplerSplitting, ComesBackAndKeepsEnergyAndMomenta) {
     }
 }
 
-// Nothing disturbs two bodies, whatever their masses: a step of several turns is exact.
+// Two bodies have no perturbation, whatever their masses: a step of several revolutions is exact.
 TEST(KeplerSplitting, OfTwoBodiesIsExact) {
   Definition two = of(typed_v, {"x1", "y1", "x2", "y2"}, {}, "-6/sqrt((x1-x2)^2 + (y1-y2)^2)");
   two.masses = {{"x1", "2"}, {"y1", "2"}, {"x2", "3"}, {"y2", "3"}};
@@ -188,7 +188,7 @@ TEST(KeplerSplitting, IsTheSameHoweverItIsRecorded) {
   expect_the_same_however_recorded(request_of(in_space(), in_space_start, 0.3, 31));
 }
 
-// A comet that is thrown past the star, and one that falls into it.
+// A comet that is scattered by the star, and one that falls into it.
 TEST(KeplerSplitting, OfOrbitsOfEveryKind) {
   Request thrown = request_of(tide(), {-4, 3, 2, -1.5}, 0.5, 60), truth = thrown;
   for (Request* one : {&thrown, &truth}) runs::set(*one, "e", 0);

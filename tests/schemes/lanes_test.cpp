@@ -1,4 +1,4 @@
-// Scenes that move together in lanes and are far apart: each takes its own branch, and one that fails fails alone.
+// Scenes far apart that move together in lanes: each takes its own branch, and a lane that fails fails alone.
 #include "core/problems/cosmological_oscillator.hpp"
 #include "core/problems/damped_oscillator.hpp"
 #include "core/problems/double_pendulum.hpp"
@@ -22,12 +22,12 @@ using Starts = std::array<FullStateOf<P<double>>, toy::width>;
 
 using Statuses = std::array<StepStatus, toy::width>;
 
-/// What each lane says of itself in the end.
+/// said() returns the final status of each lane.
 template <template <class> class P, class Scheme>
 Statuses said(const Scheme& scheme, const Scenes<P>& scenes, const Starts<P>& starts, int steps) {
   return laws::expect_lone_runs<Scheme, P>(scheme, scenes, starts, scheme.step, steps).of;
 }
-/// Every scheme that fits moves the lanes as lone runs, and none fails.
+/// Every scheme that fits moves the lanes as runs alone would, and no lane fails.
 template <template <class> class P>
 void expect_all_go_on(const Scenes<P>& scenes, const Starts<P>& starts, double h, int steps) {
   laws::for_each_scheme<P, laws::LaneSchemes>([&](auto scheme) {
@@ -35,7 +35,7 @@ void expect_all_go_on(const Scenes<P>& scenes, const Starts<P>& starts, double h
     EXPECT_EQ(said<P>(scheme, scenes, starts, steps), Statuses{}) << laws::label(scheme);
   });
 }
-/// The schemes that can fail.
+/// The schemes whose steps can fail.
 using MayFail = std::tuple<ContactLeapfrog, ContactSplitting>;
 
 TEST(Lanes, ExemptIsWhatHasToBe) {
@@ -87,7 +87,8 @@ TEST(Lanes, PeriodIsThatOfEach) {  // of the tables that lone runs have, in the 
       {x, x, x, x}, 0.3141592653589793, 45);
 }
 
-/// The third lane fails and no other does. Compositions of high order may step across a pole: there lone runs decide.
+/// The third lane fails and no other does. A composition of high order may step across a pole: there the runs alone
+/// decide.
 template <template <class> class P>
 void expect_third_fails(const Scenes<P>& scenes, const Starts<P>& starts) {
   laws::for_each_scheme<P, MayFail>([&](auto scheme) {
@@ -117,7 +118,8 @@ TEST(Lanes, APoleOfTheDampingFailsOneAlone) {  // αh = −2.5
   EXPECT_EQ(all, (Statuses{StepStatus::ok, StepStatus::singular, StepStatus::ok, StepStatus::ok}));
 }
 
-/// What a stepper keeps of the state is the state's: a shorter step after one that failed is that of a new stepper.
+/// After a lane has failed, what the stepper remembers still belongs to the state: a shorter step is that of a new
+/// stepper.
 TEST(Lanes, AFailedLaneCanGoOn) {
   const Scenes<DampedOscillator> scenes{{{1, 0.1}, {1, -25}, {2, 3}, {1, -19}}};
   const FullStateOf<DampedOscillator<>> start{0, {1}, {0.3}, {0.1}};

@@ -1,4 +1,4 @@
-// Each scheme's map against its formula, worked out here by other means.
+// Each scheme's map against its formula, computed here in another way.
 #include <gtest/gtest.h>
 
 #include <cmath>

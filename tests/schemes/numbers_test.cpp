@@ -1,4 +1,4 @@
-// Every scheme in other numbers, on one problem of each kind: lanes that move together, and parameters that are dual.
+// Every scheme with other number types, on one problem of each kind: lanes that move together, and dual parameters.
 #include "core/problems/cosmological_oscillator.hpp"
 #include "core/problems/double_pendulum.hpp"
 #include "core/problems/kepler.hpp"

@@ -21,7 +21,7 @@ const auto kepler_rate = [](const std::array<double, 4>& y, std::array<double, 4
   const auto d = derivative(Kepler<>{}, State<2>{t, {y[0], y[1]}, {y[2], y[3]}, {}});
   for (std::size_t i = 0; i < 4; ++i) rate[i] = d[i];
 };
-/// Hairer, Nørsett, Wanner I, II.4, in the largest component.
+/// The initial step by Hairer, Nørsett, Wanner I, II.4, in the norm of the largest component.
 double first_step(double tolerance, int order) {
   const auto size = [&](const State<2>& v) {
     double most = 0;
@@ -34,7 +34,7 @@ double first_step(double tolerance, int order) {
   const auto bend = shifted(derivative(Kepler<>{}, shifted(from_periapsis, h0, rate)), -1, rate);
   return std::min(100 * h0, std::pow(0.01 / std::max(size(rate), size(bend) / h0), 1.0 / (order + 1)));
 }
-/// Steps of a scheme and of one of the library's own steppers, from the same start.
+/// steps_are() compares steps of a scheme with those of one of the library's own steppers, from the same start.
 template <class Scheme, class Stepper>
 void steps_are(const Scheme& scheme, Stepper theirs, int order) {
   auto x = from_periapsis;
@@ -70,8 +70,8 @@ TEST(Odeint, StepsAreTheLibrarysOwn) {
   }
 }
 
-// A second look shortens some of its steps, and not by much: the library's steps of those lengths, to the rounding of a
-// length.
+// A second error check shortens some of its steps a little: they are the library's steps of those lengths, up to the
+// rounding of a length.
 TEST(Odeint, StepsOfFehlbergAreTheLibrarysOwnOrALittleShorter) {
   using Y = std::array<double, 4>;
   for (const double e : {1e-3, 1e-8, 1e-13}) {

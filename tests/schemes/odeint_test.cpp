@@ -30,7 +30,7 @@ constexpr bool runs_everything =
                     SelfTimedSchemeFor<Scheme, VanDerPol<>, Point<2, Slope>> &&
     !FixedStepSchemeFor<Scheme, Kepler<>> && Scheme::reads_time;
 static_assert(runs_everything<DormandPrince5> && runs_everything<Fehlberg78> && runs_everything<BulirschStoer>);
-// Only what is doubles at heart: no derivatives of a step, no other numbers.
+// These schemes work in doubles: no derivatives of a step, no other number types.
 static_assert(!SelfTimedSchemeFor<DormandPrince5, Kepler<>, State<2, Dual<double, 4>, Dual<double, 4>>>);
 
 template <class F>
@@ -40,7 +40,7 @@ void for_each_scheme(double tolerance, F&& f) {
   f(BulirschStoer{tolerance});
 }
 
-/// Bits: a NaN is itself.
+/// same() compares the bits, so that a NaN equals itself.
 template <class X>
 bool same(const X& a, const X& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
@@ -50,7 +50,7 @@ const State<2> ellipse{0, {0.4, 0}, {0, 2}, {}};  // e = .6 from its periapsis
 
 // ---- errors
 
-/// The largest errors of a run: at the ends of its steps, between them, and at the time it was to reach.
+/// Errors has the largest errors of a run: at the ends of its steps, between them, and at the time it was to reach.
 struct Errors {
   double steps = 0, reached = 0, between = 0;
   int count = 0;
@@ -79,7 +79,7 @@ Errors errors_of(const Scheme& scheme, const P& problem, const X& start, double 
   errors.reached = state_error(before, truth(before.t));
   return errors;
 }
-/// They fall with the tolerance, and are at most `loss` times it.
+/// The errors fall with the tolerance, and are at most `loss` times it.
 template <class P, class X, class Truth>
 void error_follows_tolerance(const P& problem, const X& start, double span, double loss, Truth&& truth) {
   std::array<double, 3> before{1e9, 1e9, 1e9};
@@ -97,7 +97,8 @@ void error_follows_tolerance(const P& problem, const X& start, double span, doub
   }
 }
 
-/// The true state by a run in quad precision, which begins anew where a time is earlier than the one before it.
+/// by_extrapolation() returns a function that gives the true state by a run in quad precision; the run begins anew
+/// where a time is earlier than the one before it.
 template <class P>
 auto by_extrapolation(const P& problem, const StateOf<P>& start) {
   const auto begin = [&problem, start] { return Extrapolation<P>(problem, convert<Quad, Quad>(start), 1e-18); };
@@ -133,7 +134,7 @@ TEST(Odeint, CosmologicalOscillatorErrorFollowsTheTolerance) {
   error_follows_tolerance(problem, start, 5, 500, by_extrapolation(problem, start));
 }
 
-// A tangent vector moves as the flow's own field does where it began as that; a transversal one against Runge–Kutta.
+// A tangent vector that begins as the flow's own field stays the field; a transversal one is compared with Runge–Kutta.
 TEST(Odeint, CarriesATangentDirection) {
   const VanDerPol<> problem;
   const Point<2> start{0, {2, 0.5}};
@@ -166,7 +167,7 @@ TEST(Odeint, CarriesATangentDirection) {
 
 // ---- what it costs, and copies
 
-/// A flow that counts how often it is asked, and may answer once that it does not know.
+/// Counted is a flow that counts its evaluations, and may return NaN once.
 struct Counted {
   static constexpr int dim = 1;
   static inline std::int64_t calls = 0, fails_at = 0;
@@ -191,27 +192,27 @@ TEST(Odeint, CountsEveryEvaluation) {
     agrees();
     const double t = x.t + 1e-9;
     ASSERT_TRUE(stepper.reach(x, t) == StepStatus::ok && stepper.step(x) == StepStatus::ok);
-    EXPECT_GT(x.t, t + 1e-4);  // a short way says nothing of the next step
+    EXPECT_GT(x.t, t + 1e-4);  // the short way does not shorten the next step
     EXPECT_LT(copy.work().forces, stepper.work().forces);
     x.y[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(stepper.step(x), StepStatus::singular);
     agrees();
   });
-  // First same as last: six evaluations a trial, after one for the start and two for the length of its step.
+  // First same as last: six evaluations a trial, after one for the start and two for the length of the first step.
   Point<1> x{0, {1}};
   auto stepper = DormandPrince5{1e-3}.bind(Counted{}, x);
   ASSERT_EQ(steps(stepper, x, 5), 5);
   EXPECT_EQ(stepper.work().forces % 6, 3);
-  x.y[0] *= 0.5;  // a state of one's own costs one more
+  x.y[0] *= 0.5;  // a state that was changed costs one more
   ASSERT_EQ(stepper.step(x), StepStatus::ok);
   EXPECT_EQ(stepper.work().forces % 6, 4);
 }
 
-// Odeint takes what is not a number for no error at all: the last evaluation of a step is seen by nothing else in it.
+// Odeint takes NaN for no error at all, and nothing else in a step uses its last evaluation.
 TEST(Odeint, StepsEndWhereTheFieldIsKnown) {
   for_each_scheme(1e-6, [](const auto& scheme) {
     Point<1> x{0, {1}}, y = x;
-    auto one = scheme.bind(Counted{}, x), other = scheme.bind(Counted{}, y);  // which look at the field, too
+    auto one = scheme.bind(Counted{}, x), other = scheme.bind(Counted{}, y);  // both evaluate the field
     Counted::calls = 0;
     ASSERT_EQ(one.step(x), StepStatus::ok);
     Counted::fails_at = Counted::calls;
@@ -239,7 +240,7 @@ TEST(Odeint, CopiesGoOnWithTheSameBits) {
       y = z = x;
     }
     ASSERT_EQ(steps(*stepper, x, 30, [&](const auto& now) { orbit.push_back(now); }), 30);
-    stepper.reset();  // a copy needs nothing of what it was copied from
+    stepper.reset();  // a copy does not depend on the original
     for (const auto& now : orbit) {
       ASSERT_TRUE(copy.step(y) == StepStatus::ok && assigned.step(z) == StepStatus::ok);
       ASSERT_TRUE(same(y, now) && same(z, now)) << scheme.card().id;
@@ -267,7 +268,8 @@ TEST(Odeint, InterpolatesWithinTheLastStepOnly) {
 
 // ---- where there is no going on
 
-/// Steps until one fails; how, and the state it began from, which has to be left as it was.
+/// end_of() makes steps until one fails. It returns that status and the state before the step, which has to be
+/// unchanged.
 template <class Scheme, class P, class X>
 std::pair<StepStatus, X> end_of(const Scheme& scheme, const P& problem, X x, std::int64_t most_forces = 200'000) {
   auto stepper = scheme.bind(problem, x);
@@ -309,7 +311,7 @@ TEST(Odeint, CollisionEnds) {
   });
 }
 
-/// Falls through y = 0, where the field ends.
+/// Edge falls through y = 0, where the field ends.
 struct Edge {
   static constexpr int dim = 1;
   template <class T, class S>

@@ -1,4 +1,5 @@
-// Taylor steps: as accurate as their tolerance says, dense output at no loss, and what is carried has no say in them.
+// Taylor steps: as accurate as their tolerance, with dense output as accurate as steps, and the same whatever is
+// carried along.
 #include "core/schemes/taylor.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ namespace {
 using namespace least;
 using namespace least::problems;
 
-/// The state at t by whole steps and the polynomial of the last.
+/// taylor_at() returns the state at t by whole steps and the polynomial of the last one.
 template <class P, class X>
 X taylor_at(const P& problem, X x, double t, double tolerance, int order = 0) {
   auto stepper = TypedTaylor{tolerance, order}.bind(problem, x);
@@ -56,7 +57,7 @@ TEST(Taylor, ErrorsAreThoseOfTheTolerance) {
   }
 }
 
-/// Parameters that are like any other: their program has a structure that the compiler met, too, and its own numbers.
+/// Other parameters: the program still has a structure that the compiler has unrolled, but its own constants.
 TEST(Taylor, IsUnrolledForOtherParametersToo) {
   const auto known = [](const auto& problem) {
     using X = StateOf<std::remove_cvref_t<decltype(problem)>>;
@@ -86,7 +87,7 @@ TEST(Taylor, IsUnrolledForOtherParametersToo) {
   EXPECT_TRUE(known(SpinOrbit<>{}));
 }
 
-// Steps of what rests are as long as the time suggests: powers of them are not finite.
+// The step of a state at rest is as long as the time suggests: powers of it overflow.
 TEST(Taylor, RestsHoweverLateItIs) {
   for (const double start : {1e16, 1e60, 1e150})
     for (const int order : {0, 40}) {
@@ -109,7 +110,7 @@ TEST(Taylor, OfAnyOrderIsAsAccurate) {
   EXPECT_EQ(stepper.work().forces, 13);
 }
 
-// Ten thousand periods' worth of rounding in a hundred: sums that are not compensated lose a digit and a half more.
+// A hundred periods at the tolerance 1e-15: without compensated sums rounding would cost a digit and a half more.
 TEST(Taylor, RoundingStaysSmall) {
   const Kepler<> kepler;
   const State<2> ellipse{0, {0.4, 0}, {0, 2}, {}};
@@ -145,7 +146,7 @@ TEST(Taylor, DenseOutputIsARunThatEndsThere) {
   dense_output_is_a_run_that_ends_there(SpinOrbit<>{}, State<1>{0, {0.3}, {1}, {}}, 20);
 }
 
-/// (q, p) with and without what can be carried.
+/// (q, p) has the same bits with and without what can be carried along.
 template <class P, class More, class X>
 void carrying_changes_nothing(const P& problem, const More& more) {
   X plain;
@@ -171,7 +172,7 @@ TEST(Taylor, WhatIsCarriedChangesNoBit) {
   carrying_changes_nothing<VanDerPol<>, FullRunState<VanDerPol<>>, Point<2>>({}, x);
 }
 
-// A slope that begins as the flow's own field stays it.
+// A tangent vector that begins as the flow's own field stays the field.
 TEST(Taylor, ATangentDirectionMovesWithTheFlow) {
   const VanDerPol<> problem{3};
   FullRunState<VanDerPol<>> x;
@@ -182,7 +183,7 @@ TEST(Taylor, ATangentDirectionMovesWithTheFlow) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(x[i].slope[0], rate[i], 1e-9 * std::abs(rate[i]) + 1e-10);
 }
 
-// x = t − λt⁵/20 + …: at order 19 the last two coefficients vanish, which does not mean that the series ends.
+// x = t − λt⁵/20 + …: at order 19 the last two coefficients vanish, although the series does not end.
 TEST(Taylor, VanishingCoefficientsDoNotMakeALongStep) {
   const ScalarFieldCosmology<> quartic{0, 1, 0};
   const StateOf<ScalarFieldCosmology<>> start{0, {0}, {1}, {0}};
@@ -194,7 +195,8 @@ TEST(Taylor, VanishingCoefficientsDoNotMakeALongStep) {
   EXPECT_NEAR(energy(quartic, x), 0.5, 1e-9);
 }
 
-/// ẋ = 1 − x¹²: from 0 on the coefficients of t² … t¹² vanish, and from next to 0 they say next to nothing.
+/// ẋ = 1 − x¹²: from x = 0 the coefficients of t² … t¹² vanish, and from near 0 they are tiny and say nothing of the
+/// radius.
 struct Saturation {
   static constexpr int dim = 1;
   template <class T, class S>
@@ -215,7 +217,7 @@ TEST(Taylor, ARowOfVanishingCoefficientsDoesNotMakeALongStep) {
     }
 }
 
-// What a thread keeps of one run for the next is of the same equations, and two that go on at once may share it.
+// What a thread keeps of a run serves the next one only for the same equations; two runs at once may share it.
 TEST(Taylor, WhatOtherRunsLeaveBehindChangesNoBit) {
   const auto orbit = [](double mu, double tolerance, int steps, auto&& meanwhile) {
     const Kepler<> kepler{.mu = mu};
@@ -239,7 +241,7 @@ TEST(Taylor, WhatOtherRunsLeaveBehindChangesNoBit) {
   }
 }
 
-// A force that ends at q = 0: steps end there, too, and go on behind it.
+// A force that ends at q = 0: a step ends there, too, and the next begins behind it.
 TEST(Taylor, StepsEndWhereAFormulaChanges) {
   const LaneEmden<> star{1, AfterZero::clamp};
   const double pi = std::acos(-1.0);
@@ -249,7 +251,7 @@ TEST(Taylor, StepsEndWhereAFormulaChanges) {
   EXPECT_NEAR(x.q[0], pi / 10 - 1, 1e-12);
 }
 
-// 2/t is singular, the motion is not: no step leads over it, and none has to be short because of it.
+// 2/t is singular, the motion is not: no step crosses the singularity, and none has to be short because of it.
 TEST(Taylor, StepsAreNotLongerThanTheTimeToASingularDamping) {
   const LaneEmden<> star{1, AfterZero::continue_};
   State<1> x{0.1, {std::sin(0.1) / 0.1}, {(std::cos(0.1) - std::sin(0.1) / 0.1) / 0.1}, {}};
@@ -273,7 +275,7 @@ TEST(Taylor, CopiesGoOnWithTheSameBits) {
   const double t = x.t - 0.01;
   ASSERT_TRUE(copy.interpolate(between, t));
   for (int k = 0; k < 20; ++k) ASSERT_EQ(stepper.step(x), StepStatus::ok);
-  ASSERT_TRUE(copy.interpolate(again, t));  // whatever other copies have done since
+  ASSERT_TRUE(copy.interpolate(again, t));  // whatever other copies have done meanwhile
   EXPECT_TRUE(between == again);
   EXPECT_FALSE(copy.interpolate(again, x.t));
   for (int k = 0; k < 20; ++k) ASSERT_EQ(copy.step(y), StepStatus::ok);
@@ -288,7 +290,7 @@ TEST(Taylor, WhatIsNoNumberIsSingular) {
     const auto before = x;
     auto stepper = TypedTaylor{}.bind(kepler, x);
     const StepStatus status = stepper.step(x);
-    if (bad == 1e300) continue;  // free, for all one can tell
+    if (bad == 1e300) continue;  // this one may pass for free motion
     EXPECT_EQ(status, StepStatus::singular) << bad;
     EXPECT_EQ(std::isnan(x.q[0]), std::isnan(before.q[0]));
     EXPECT_EQ(x.t, 0);

@@ -1,5 +1,5 @@
-// Time-transformed steps where there is damping: the maps against their formulas, contact on the extended space,
-// symmetric, order by composition, and what is the same with and without s.
+// Time-transformed steps with damping: the maps against their formulas, the contact form on the extended space,
+// symmetry, order by composition, and equality with and without s.
 #include <cstring>
 
 #include "core/number/linear.hpp"
@@ -27,7 +27,7 @@ constexpr std::array all_compositions{
     Composition::suzuki_umeno_8, Composition::kahan_li_8, Composition::sofroniou_spaletta_10};
 const char* called(const Composition& c) { return compositions::names[std::size_t(c)].data(); }
 
-/// α(t) without its integral, beside a force that changes in time.
+/// Swept has a damping α(t) without a closed integral, and a force that changes in time.
 template <class R = double>
 struct Swept {
   R strength{0.4};
@@ -52,7 +52,8 @@ template <class P>
 using Acting = FullStateOf<P>;
 
 const Acting<DampedKepler<>> ellipse{0, {0.9, 0.2}, {-0.3, 1.1}, {0.4}};
-/// f(problem, start) for scenes of each kind: constant damping and not, V that changes, α < 0, none.
+/// for_each_scene() calls f(problem, start, name) for scenes of each kind: constant damping and not, V that changes in
+/// time, α < 0, no damping.
 template <class F>
 void for_each_scene(F&& f) {
   f(DampedKepler<>{1, 0.03}, ellipse, "damped_kepler");
@@ -70,7 +71,7 @@ void for_each_scene(F&& f) {
 
 // ---- the maps
 
-// As in the head of time_transformed_contact.hpp, in logarithms and powers of their own.
+// The formulas in the head of time_transformed_contact.hpp, here by logarithms and powers.
 TEST(TimeTransformedContact, ConstantDampingIsTheExactFlowsOfBothParts) {
   for (const double alpha : {0.3, -0.2, 1e-3})
     for (const double k : {-0.5, -0.7, -2.0, -0.1}) {
@@ -106,7 +107,7 @@ TEST(TimeTransformedContact, ConstantDampingIsTheExactFlowsOfBothParts) {
     }
 }
 
-// Where the series ends and the closed form begins, both are the same.
+// The series and the closed form agree where one takes over from the other.
 TEST(TimeTransformedContact, SeriesMeetsTheClosedForm) {
   for (const double m : {0.0, -1.0 / 3, -2.0 / 3, 2.0 / 3, 0.5})
     for (const double z : {1.0 / 512, -1.0 / 512, 1e-4, -1e-9}) {
@@ -119,7 +120,7 @@ TEST(TimeTransformedContact, SeriesMeetsTheClosedForm) {
     }
 }
 
-// The guess is of third order: there are two parts to a force, and little more than one iteration to a part.
+// The initial guess is of third order: a force has two parts, and each part takes little more than one iteration.
 TEST(TimeTransformedContact, SolvesInFewIterations) {
   const auto iterations = [](const auto& problem, auto x, const TimeTransformed& scheme) {
     auto stepper = bound(scheme, problem, x);
@@ -131,7 +132,7 @@ TEST(TimeTransformedContact, SolvesInFewIterations) {
   EXPECT_LT(iterations(LaneEmden<>{}, StateOf<LaneEmden<>>{0.5, {0.96}, {-0.16}, {}}, {0.002, 0.5}), 2.5);
 }
 
-// Without damping no logarithm: dt/dτ = (K + κ)ᵏ⁻¹, and the level is kept as by leapfrog for the power.
+// Without damping there is no logarithm: dt/dτ = (K + κ)ᵏ⁻¹, and the level is kept as by leapfrog for the power.
 TEST(TimeTransformedContact, ZeroDampingIsLeapfrogForThePower) {
   const DampedOscillator<> m{1, 0};
   const double sigma = 0.3, kappa = 0.7;
@@ -157,7 +158,7 @@ TEST(TimeTransformedContact, ZeroDampingIsLeapfrogForThePower) {
 
 // ---- structure
 
-/// Of a step on the extended space that begins `off` beside p_t = −H, with λ and det Dφ.
+/// form() returns the contact defect, λ and det Dφ of a step on the extended space that begins with p_t = −H + off.
 struct Form {
   double defect, factor, determinant;
 };
@@ -228,9 +229,9 @@ TEST(TimeTransformedContact, GoesAndReturns) {
   });
 }
 
-/// A run ends within a step, and what the part of a step adds lies on no power of σ: errors down to round-off of T, of
-/// many σ, leave 0.1 of that. At order 10, where errors are small already where steps are few, it takes a longer span
-/// (10.16 over 3, 9.98 over 6).
+/// A run ends within a step, and the error of that part of a step is not proportional to a power of σ: over many σ with
+/// errors down to round-off of T, this changes the slope by up to 0.1. Order 10, whose errors are small already with
+/// few steps, needs a longer span (slopes 10.16 over 3, 9.98 over 6).
 template <class T, class P, class X>
 void has_order_with_damping(const P& problem, const X& start, double span, TimeTransformed scheme, double floor) {
   Extrapolation<P, typename X::template in<Quad, Quad>> truth(problem, convert<Quad, Quad>(start), 1e-28);
@@ -286,7 +287,7 @@ TEST(TimeTransformedContact, MovesTheSameWithAndWithoutTheAction) {
     EXPECT_EQ(full.t, lean.t) << name;
   });
 }
-// A copy goes on bit for bit, and so does one that is given the state and what steps remember.
+// A copy goes on with the same bits, and so does a new stepper that is given the state and the stepper's memory.
 TEST(TimeTransformedContact, GoesOnFromTheStateAndItsMemory) {
   for_each_scene([](const auto& problem, const auto& start, const char* name) {
     const TimeTransformed scheme{0.2, 0.6, Composition::suzuki_4};
@@ -303,7 +304,7 @@ TEST(TimeTransformedContact, GoesOnFromTheStateAndItsMemory) {
     if constexpr (std::remove_cvref_t<decltype(fresh.kernel())>::constant) {
       EXPECT_EQ(x, z) << name;
     } else {
-      EXPECT_LT(distance(x, z), 1e-13) << name;  // ∫α anew, at a time that is rounded
+      EXPECT_LT(distance(x, z), 1e-13) << name;  // ∫α is recomputed, from a time that is rounded
     }
   });
 }
@@ -327,7 +328,7 @@ TEST(TimeTransformedContact, ReachesAnyTimeWithinAStep) {
       }
       EXPECT_EQ(missed.reach(z, end.t + 1e-3 * (end.t - x.t)), StepStatus::solver_failed);
       ASSERT_EQ(missed.step(z), StepStatus::ok) << name;
-      EXPECT_LT(distance(z, end), 1e-14) << name;  // a failed attempt left nothing behind
+      EXPECT_LT(distance(z, end), 1e-14) << name;  // a failed attempt changes nothing
     }
   });
 }

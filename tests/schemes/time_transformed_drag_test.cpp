@@ -1,4 +1,5 @@
-// Time-transformed steps on damped orbits: what an evaluation buys, laws of decay, long runs, and where they end.
+// Time-transformed steps on damped orbits: accuracy for a number of forces, laws of decay, long runs, and where they
+// end.
 #include "core/problems/damped_kepler.hpp"
 #include "core/problems/perturbed_kepler.hpp"
 #include "core/reference/reference.hpp"
@@ -39,7 +40,7 @@ Bought bought(const P& problem, const State<2>& start, double span, Stepper step
   return all;
 }
 
-// METHODS, section 3c. With α(t), by Kahan and Li, the numbers are our own: see ContactIsWorthItsEquation.
+// METHODS, section 3c. The numbers with α(t) and Kahan and Li's weights are our own: see ContactIsWorthItsEquation.
 TEST(TimeTransformedDrag, AnEvaluationBuysWhatIsPublished) {
   struct Row {
     Composition composition;
@@ -83,8 +84,8 @@ TEST(TimeTransformedDrag, AnEvaluationBuysWhatIsPublished) {
          {C::kahan_li_8, 0.1275, 9384, 1.3e-10}});
 }
 
-/// What METHODS measured there: α(t) as if it were constant over a part, α(t + Δt/2), with Δt by iteration. Symmetric,
-/// and no contact map. k = −½, κ = −E₀.
+/// HeldDamping is the scheme that METHODS measured there: it takes α(t) for constant over a part, α(t + Δt/2), with Δt
+/// by iteration. It is symmetric, but no contact map. k = −½, κ = −E₀.
 class HeldDamping {
  public:
   HeldDamping(const PerturbedKepler<>& problem, const State<2>& start, double sigma, Composition composition)
@@ -130,13 +131,13 @@ class HeldDamping {
   double a_;
   Work work_;
 };
-// With α(t) a contact map is the better one wherever both follow their order, and keeps what the other loses.
+// With α(t) the contact map has the smaller errors wherever both follow their order, and keeps what the other loses.
 TEST(TimeTransformedDrag, ContactIsWorthItsEquation) {
   struct Row {
     const State<2>& start;
     Composition composition;
     double sigma, published;  ///< 0: not in METHODS
-    double ratio;             ///< of our error to that of the other, at most
+    double ratio;             ///< upper bound of our error over the other's
   };
   using C = Composition;
   const PerturbedKepler<> problem;
@@ -145,7 +146,8 @@ TEST(TimeTransformedDrag, ContactIsWorthItsEquation) {
                          {moderate, C::kahan_li_8, 0.18, 0, 0.92},
                          {eccentric, C::kahan_li_6, 0.135, 1.9e-7, 0.82},
                          {eccentric, C::kahan_li_8, 0.18, 0, 0.92},
-                         // Too long for their order: errors of both have left σ⁸ and meet by chance.
+                         // Too long for their order: neither error is proportional to σ⁸ any more, and which is smaller
+                         // is chance.
                          {eccentric, C::kahan_li_8, 0.255, 6.6e-8, 3.5}}) {
     const auto ours = bought(problem, row.start, 50,
                              bound(TimeTransformed{row.sigma, follows_energy, row.composition}, problem, row.start), 1);
@@ -170,7 +172,7 @@ TEST(TimeTransformedDrag, ContactIsWorthItsEquation) {
   EXPECT_GT(loss(HeldDamping(problem, eccentric, 0.135, C::kahan_li_6)), 1e-9);
 }
 
-// The maps multiply p and push it along q, and move q along p: what q × p loses is the factor, e^{−αΔt}.
+// The maps scale p, push it along q, and move q along p: q × p is multiplied by the factor e^{−αΔt} only.
 TEST(TimeTransformedDrag, AngularMomentumDecaysAsItShould) {
   for (const double alpha : {0.002, 0.3, -0.005})
     for (const auto composition : {Composition::none, Composition::kahan_li_8}) {
@@ -187,7 +189,7 @@ TEST(TimeTransformedDrag, AngularMomentumDecaysAsItShould) {
           << alpha;
       EXPECT_LT(most, 1e-13) << alpha;
     }
-  // α(t): as far as e^∫α is.
+  // With α(t), as accurately as e^∫α.
   const PerturbedKepler<> swept{-1, 0.3};
   auto x = moderate;
   auto stepper = bound(TimeTransformed{0.05, follows_energy, Composition::kahan_li_6}, swept, x);
@@ -199,7 +201,7 @@ TEST(TimeTransformedDrag, AngularMomentumDecaysAsItShould) {
             300);
 }
 
-// H e^{αt} stays on the true motion; off it by what s is off, which grows with the time.
+// H e^{αt} is constant on the true motion; its error is that of s, which grows with time.
 TEST(TimeTransformedDrag, EnergyDecaysAsItShould) {
   const DampedKepler<> problem{1, 0.01};
   FullStateOf<DampedKepler<>> x{0, moderate.q, moderate.p, {0.3}};
@@ -214,7 +216,7 @@ TEST(TimeTransformedDrag, EnergyDecaysAsItShould) {
   EXPECT_LT(late, 20 * early);
 }
 
-/// What the revolution after so many is off by: in position, and in the elements at its end.
+/// Drift has the errors of the revolution after a number of them: in position, and in the elements at its end.
 struct Drift {
   double error = 0, axis = 0, eccentricity = 0, periapsis = 0;
 };
@@ -243,9 +245,9 @@ std::array<Drift, N> drifts(double alpha, double sigma, const std::array<int, N>
   }
   return all;
 }
-// 300 revolutions under a weak drag; 1e4 are printed by the benchmark. The error along the orbit grows linearly. Axis
-// and eccentricity have no drift but the drag's; the periapsis has one of its own, which is the scheme's: as large
-// without drag, as large in every revolution, and a σ⁸, 1.8e-10 a revolution at σ = 0.3.
+// 300 revolutions under a weak drag (the benchmark prints 1e4). The error along the orbit grows linearly. Axis and
+// eccentricity drift by the drag only. The periapsis has a drift that is the scheme's own: the same without drag, the
+// same in every revolution, and proportional to σ⁸, 1.8e-10 a revolution at σ = 0.3.
 TEST(TimeTransformedDrag, LongRunsDriftByTheDragAlone) {
   constexpr std::array at{75, 150, 300};
   const auto coarse = drifts(1e-6, 0.45, at), fine = drifts(1e-6, 0.3, at), free = drifts(0, 0.3, at);
@@ -279,7 +281,7 @@ std::string detail_of(const Request& request, ReturnCode reason) {
 const auto has = [](const std::string& text, std::string_view words) { return text.find(words) != std::string::npos; };
 
 TEST(TimeTransformedDrag, SaysWhichThresholdWouldDo) {
-  // V = 2 at the start's far side: E₀ − V + κ falls to 0 where V = E₀ + κ.
+  // V = 2 at the far side of the start: E₀ − V + κ falls to 0 where V = E₀ + κ.
   Request request = asked("driven_oscillator", 0.1);
   runs::set(request, "kappa", 0.2);
   const std::string why = detail_of(request, ReturnCode::singular);
@@ -315,7 +317,7 @@ TEST(TimeTransformedDrag, LaneEmdenBeginsAtTheEndOfItsSeries) {
   const std::string why = detail_of(request, ReturnCode::singular);
   EXPECT_TRUE(has(why, "not finite at the start")) << why;
 }
-// `until`, samples and the end of a run lie within steps and are as accurate as they are.
+// `until`, samples and the end of a run lie within steps and are as accurate as the ends of steps.
 TEST(TimeTransformedDrag, AnyTimeIsAsAccurateAsSteps) {
   for (const std::string_view problem : {"damped_kepler", "perturbed_kepler", "driven_oscillator"}) {
     Request request = asked(problem, 0.2);

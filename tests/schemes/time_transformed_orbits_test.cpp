@@ -70,7 +70,7 @@ TEST(TimeTransformed, HyperbolaTakesEqualStepsOfItsAnomaly) {
             6);
 }
 
-// In METHODS, section 3b: errors over 10 periods at a number of forces.
+// METHODS, section 3b: errors over 10 periods at a number of forces.
 TEST(TimeTransformed, PaperOrbitHasThePublishedErrors) {
   struct Row {
     double kappa, sigma;
@@ -140,13 +140,13 @@ void reaches(const P& problem, const State<P::dof>& start, const TimeTransformed
       if (part == 1) {
         EXPECT_LT(distance(y, end), tolerance);
       }
-      // The way there is a step of some σ: it turns round, and the state it leads to is the stepper's.
+      // The way to t is a step of some σ: it is reversible, and the stepper goes on from the state it leads to.
       auto z = y;
       auto fresh = scheme.bind(problem, z, energy(problem, start));
       ASSERT_EQ(there.step(y), StepStatus::ok);
       ASSERT_EQ(fresh.step(z), StepStatus::ok);
       EXPECT_EQ(y, z);
-      // Nothing is done where there is nowhere to go; beyond the end it says so, and leaves x.
+      // Reaching the present time does nothing; a time beyond the step is refused, and x stays.
       EXPECT_EQ(stepper.reach(back, x.t), StepStatus::ok);
       EXPECT_EQ(back, x);
     }
@@ -195,11 +195,11 @@ TEST(TimeTransformed, StopsWhereTheTransformationEnds) {
   EXPECT_EQ(status(-0.6), StepStatus::singular);          // K + κ < 0
   EXPECT_EQ(status(minus_energy), StepStatus::singular);  // −V < 0
   EXPECT_EQ(status(0.5, 0.01, {0, {0.5}, {minus_energy}, {}}), StepStatus::singular);
-  EXPECT_EQ(status(0.5, 10), StepStatus::singular);  // far off the level
+  EXPECT_EQ(status(0.5, 10), StepStatus::singular);  // far away from the level
   EXPECT_EQ(status(0.5, 1e300), StepStatus::singular);
   EXPECT_EQ(status(1e30, 1e-300), StepStatus::singular);  // time stands still
 }
-// What a stepper knows after a step that failed is what it knew before.
+// A step that failed does not change what the stepper remembers.
 TEST(TimeTransformed, GoesOnAfterAStepThatFailed) {
   const HarmonicOscillator<> m;
   int failures = 0;
@@ -239,7 +239,7 @@ TEST(TimeTransformed, MetricStopsWhereTheTransformationEnds) {
     EXPECT_EQ(x, swing);
   }
 }
-// A level that is not the state's: D and K + κ differ by a factor beyond [½, 2].
+// The level is not that of the state: D and K + κ differ by a factor outside [½, 2].
 template <class P>
 void stops_off_the_level(const P& problem, const State<P::dof>& x) {
   const double level = energy(problem, x), kinetic = 0.5 * dot(x.p, velocity(problem, x.q, x.p));
@@ -264,7 +264,7 @@ TEST(TimeTransformed, HyperbolaIsFollowedOrRefused) {
   const auto loss = orbit_loss(TimeTransformed{0.05, minus_energy, Composition::kahan_li_6}, hyperbola, 20);
   EXPECT_LT(loss.position, 1e-9);
   EXPECT_LT(loss.energy, 1e-13);
-  // Beyond σ√(2E₀) = 2 every step, from anywhere on the orbit, is found out.
+  // Beyond σ√(2E₀) = 2 every step, from anywhere on the orbit, is refused.
   for (double t = 0; t < 20; t += 0.5)
     for (double sigma = 2.0 / std::sqrt(2 * level) + 1e-9; sigma < 1000; sigma *= 1.1) {
       auto x = kepler.exact(hyperbola, t);
@@ -272,7 +272,7 @@ TEST(TimeTransformed, HyperbolaIsFollowedOrRefused) {
     }
 }
 
-// The unsupported_reason holds exactly where the guard would stop the first step.
+// unsupported_reason() objects exactly where the guard would stop the first step.
 TEST(TimeTransformed, ObjectsToWhatTheGuardWouldStop) {
   for (const double mu : {1.0, 0.3})
     for (const auto& start : {paper, hyperbola})

@@ -46,7 +46,8 @@ TEST(TimeTransformed, ConstantMetricIsLeapfrogForTheLogarithms) {
   }
 }
 
-// p₀ = −∂S/∂q₀ and p₁ = ∂S/∂q₁ of S = L_d(q₀, q₁; h) + E₀h, h = σ/(E₀ − V(m) + κ), differentiated by itself.
+// p₀ = −∂S/∂q₀ and p₁ = ∂S/∂q₁ for S = L_d(q₀, q₁; h) + E₀h, h = σ/(E₀ − V(m) + κ), with the derivatives by dual
+// numbers.
 TEST(TimeTransformed, MetricIsTheMidpointRuleWithAStepOfThePosition) {
   const DoublePendulum<> m{1.3, 0.7, 0.9, 1.2, 1.1};
   const double sigma = 0.4, kappa = 0.6, level = energy(m, swing);
@@ -114,7 +115,8 @@ TEST(TimeTransformed, CountsItsForces) {
   EXPECT_EQ(implicit.work().forces, 2 * 90 + implicit.work().iterations);  // one for the guess, one for the end
 }
 
-// What a stepper remembers follows from the state: a copy, or one bound afresh at the same level, goes on bit for bit.
+// A stepper's memory follows from the state: a copy, or a stepper bound anew at the same level, goes on with the same
+// bits.
 template <class P>
 void goes_on_from_the_state(const P& problem, const State<P::dof>& start) {
   const TimeTransformed scheme{0.1, 0.8, Composition::kahan_li_6};

@@ -1,6 +1,6 @@
 // Schemes that choose their steps by an error estimate: tolerances at the ends of their range, scenes that are stiff or
-// long, and what lies within their long steps. They run on every problem, so they take part in most other tests of
-// extremes as well.
+// long, and events within their long steps. These schemes run on every problem, so that they take part in most other
+// tests of extremes as well.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,9 +55,9 @@ TEST(Tolerance, AtTheHighEndOfItsRangeEndsInAStatus) {
       runs::scene(request).start = 0.1;
       runs::scene(request).initial = *runs::regular_start(request, 0.1);
     }
-    const auto result = go(request);  // however wrong it is, what is kept is finite
+    const auto result = go(request);  // however wrong the run is, its numbers are finite
     const ReturnCode why = result.outcome.stop.reason;
-    // Energy that piles up throws a bounded orbit to infinity, or uses up all heat.
+    // An energy error that accumulates may unbind an orbit, or use up all heat.
     const bool lost = why == ReturnCode::singular || why == ReturnCode::not_finite;
     EXPECT_TRUE(why == ReturnCode::completed || why == ReturnCode::left_domain || lost) << name(request);
     if (why == ReturnCode::completed) {
@@ -84,7 +84,7 @@ TEST(AdaptiveBudget, OfALongSpanAtTheLowestToleranceIsKept) {
     }
 }
 
-// On the slow branch, x ≈ 2, stability alone keeps steps of any tolerance below a few 1/(ε (x² − 1)).
+// On the slow branch, x ≈ 2, stability alone limits steps of any tolerance to a few 1/(ε (x² − 1)).
 TEST(AdaptiveBudget, OfAStiffSceneIsKept) {
   const runs::TurnedClock clock(1e-3);
   for (const std::string_view scheme : adaptive)
@@ -132,8 +132,8 @@ TEST(WithinAStep, ZerosPolesAndCyclesAreFound) {
     }
 }
 
-/// sin t/t, 1 − t²/6 and n = 3 have their surfaces at π, √6 and 6.897: these ends lie before them, and in the steps
-/// that lead out.
+/// sin t/t, 1 − t²/6 and n = 3 have their surfaces at π, √6 and 6.897: these ends lie before them, but in the steps
+/// that cross them.
 TEST(WithinAStep, AnEndBeforeTheSurfaceIsReached) {
   struct Row {
     double n, end, q;
@@ -155,13 +155,13 @@ TEST(WithinAStep, AnEndBeforeTheSurfaceIsReached) {
       }
       request.record = {};
       const auto stepped = go(request);
-      const int ends = scheme == "taylor" ? 1 : 0;  // its last step ends there, those of the others beyond
+      const int ends = scheme == "taylor" ? 1 : 0;  // the last step of `taylor` ends there, those of the others beyond
       EXPECT_EQ(stepped.rows.size(), static_cast<std::size_t>(stepped.outcome.cost.steps + ends)) << what;
       EXPECT_EQ(stepped.outcome.final[0], result.outcome.final[0]) << what;
     }
 }
 
-// A step at a loose tolerance may lead out of the domain and back: no state outside is ever shown.
+// A step at a loose tolerance may cross the boundary of the domain and come back: no row shows a state outside.
 TEST(WithinAStep, NoStateIsOutsideTheDomain) {
   int stopped = 0;
   for (const std::string_view scheme : adaptive)
@@ -189,7 +189,7 @@ TEST(WithinAStep, NoStateIsOutsideTheDomain) {
   EXPECT_GT(stopped, 200);
 }
 
-// At a loose tolerance a fall may miss the centre and come out with any energy: that is said, and nothing else is.
+// At a loose tolerance a fall may miss the centre and come out with any energy: only then is there a warning.
 TEST(Tolerance, WhatLeapsOverACollisionIsSaid) {
   int leapt = 0;
   for (const std::string_view scheme : adaptive)
@@ -210,7 +210,7 @@ TEST(Tolerance, WhatLeapsOverACollisionIsSaid) {
       }
 }
 
-// The last step may be a good part of the run: what was asked for within it is given.
+// The last step may be a large part of the run: the samples in it are given.
 TEST(WithinAStep, SamplesReachToTheSurface) {
   const double surface = std::sqrt(6.0);  // θ = 1 − ξ²/6
   for (const std::string_view scheme : adaptive) {

@@ -1,4 +1,4 @@
-// Requests by names, and runs whose numbers are looked at: what the tests of extremes share.
+// Requests by names, and checks of the numbers of runs, for the tests of extremes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using Names = std::initializer_list<std::pair<std::string_view, std::string_view
 inline const least::ProblemCard& problem_of(const Request& request) { return runs::card(request); }
 inline const least::SchemeCard& scheme_of(const Request& request) { return least::schemes()[request.scheme]; }
 inline const double pi = std::acos(-1.0), null = std::nan("");
-/// "kepler leapfrog"
+/// name() returns text such as "kepler leapfrog".
 inline std::string name(const Request& request) {
   return std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
 }
@@ -30,12 +30,12 @@ inline double number(const runs::Result& result, std::string_view path) {
   return runs::number(result.outcome.diagnostics, path);
 }
 
-/// Whether the scheme's first setting is not a step but an error that steps may make.
+/// is_adaptive() says whether the scheme's first setting is a tolerance of the error in place of a step.
 inline bool is_adaptive(const least::SchemeCard& scheme) { return scheme.parameters.at(0).name == "tolerance"; }
 inline bool is_adaptive(const Request& request) { return is_adaptive(scheme_of(request)); }
 inline constexpr std::string_view adaptive[] = {"dormand_prince_5", "fehlberg_78", "bulirsch_stoer", "taylor"};
 
-/// The request with parameters of its problem or settings of its scheme, with choices, with another start.
+/// set() returns the request with other parameters of its problem or settings of its scheme.
 inline Request set(Request request, std::initializer_list<Named> values) {
   for (const auto& [name, value] : values) runs::set(request, name, value);
   return request;
@@ -63,13 +63,13 @@ inline Request steps(Request request, std::int64_t count) {
   request.steps = count;
   return request;
 }
-/// Until this time.
+/// until() returns the request with this end.
 inline Request until(Request request, double end) {
   request.end = end;
   return request;
 }
-/// Every column and every diagnostic at once, but for those with motions of their own to follow where these would only
-/// cost time.
+/// everything() asks for every column and every diagnostic at once; with `dear` false, without the expensive ones that
+/// follow motions of their own.
 inline Request everything(Request request, bool dear = true) {
   request.diagnostics.clear();
   request.columns.clear();
@@ -93,12 +93,12 @@ inline Request of(std::string_view problem, const Scheme& scheme, std::initializ
   return request;
 }
 
-/// The numbers without what the run did not carry.
+/// known() returns the numbers without the NaNs, which stand for what the run did not carry.
 inline std::vector<double> known(std::vector<double> numbers) {
   runs::drop_unknown(numbers);
   return numbers;
 }
-/// Where the run begins, without what the motion does not read.
+/// start_of_motion() returns the initial state without the variables that the equations of motion do not depend on.
 inline std::vector<double> start_of_motion(const Request& request) {
   std::vector<double> start = runs::scene(request).initial;
   for (std::size_t i = 0; i < start.size(); ++i)
@@ -114,9 +114,10 @@ inline bool slope(const Request& request, std::size_t column) {
   return problem_of(request).columns[column].name == "slope";
 }
 
-/// Whether a column may be unknown in this row: a slope, at its pole and where it is not carried; before the first step
-/// its length, where the scheme finds it; the error where there is no truth; the elements of an orbit, which squares of
-/// what is large overflow; the mode of a scheme that has none; the parameter of a step in time.
+/// may_be_unknown() says whether a column may be NaN in this row: a slope at its pole or where it is not carried; the
+/// length of a step before the first one, where the scheme chooses it; the error where there is no true solution;
+/// elements of an orbit, whose squares of large numbers overflow; the mode of a scheme without modes; the parameter
+/// coordinate of a step in time.
 inline bool may_be_unknown(const Request& request, const runs::Result& result, std::size_t row, std::size_t column) {
   const std::string_view name = problem_of(request).columns[request.columns[column]].name;
   const bool hybrid = scheme_of(request).id == "jacobi_maupertuis";
@@ -133,7 +134,8 @@ inline bool may_be_unknown(const Request& request, const runs::Result& result, s
   return true;
 }
 
-/// A run whose numbers are finite: rows, but for what may be unknown, final state and cost.
+/// go() runs the request and checks that its numbers are finite: rows (except what may be unknown), final state and
+/// cost.
 inline runs::Result go(const Request& request) {
   auto result = runs::go(request);
   const std::string what = std::string(problem_of(request).id) + ' ' + std::string(scheme_of(request).id);
@@ -145,7 +147,7 @@ inline runs::Result go(const Request& request) {
       if (!good) return result;
     }
   for (std::size_t i = 0; i < result.outcome.final.size(); ++i) {
-    const bool may_lack = problem_of(request).variables[i].optional;  // not carried, or beyond all numbers
+    const bool may_lack = problem_of(request).variables[i].optional;  // not carried, or overflown
     EXPECT_TRUE(std::isfinite(result.outcome.final[i]) || (may_lack && std::isnan(result.outcome.final[i])))
         << what << ": final " << problem_of(request).variables[i].name;
   }
@@ -156,8 +158,8 @@ inline runs::Result go(const Request& request) {
     EXPECT_EQ(stop.t, result.outcome.t) << what;
   }
   if (stop.singular_at.has_value()) {
-    // Ten steps ahead, or a tenth of the way there; of a domain that is left by a step of its own clock in that step,
-    // and of a start that no step leads from wherever what is ahead of it lies.
+    // Ten steps ahead, or a tenth of the way; where a scheme of adaptive steps leaves a domain, within that step; and
+    // where no step leads from the start, anywhere ahead.
     const least::SchemeCard& scheme = scheme_of(request);
     const double way = stop.t - runs::scene(request).start;
     const double steps = static_cast<double>(std::max<std::int64_t>(stop.step, 1));
@@ -171,7 +173,7 @@ inline runs::Result go(const Request& request) {
 }
 inline least::ReturnCode reason(const Request& request) { return go(request).outcome.stop.reason; }
 
-/// The number of a row in the column of that name.
+/// value() returns the number of a row in the column of that name.
 inline double value(const Request& request, const std::vector<double>& row, std::string_view name) {
   const auto& known = problem_of(request).columns;
   return row[runs::position(request.columns, name, [&](std::size_t column) { return known[column].name; })];

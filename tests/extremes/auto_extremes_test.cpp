@@ -1,5 +1,5 @@
-// `auto` on scenes in any units, on motions that are long or stiff against the time there is, up to events, and over
-// kinks: it comes back in time with a run, and what it says of its error is so.
+// `auto` on scenes in any units, on motions that are long or stiff for the time allowed, up to events, and over kinks:
+// it returns a run in time, and what it says of the error is right.
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -19,7 +19,7 @@ using texts::Definition;
 const std::atomic<bool> never_cancelled{false};
 constexpr auto potential = Definition::Kind::potential, hamiltonian = Definition::Kind::hamiltonian;
 
-/// A scene as text from a start at which all else is 0.
+/// typed() requests a scene as text; variables that `start` does not name begin at 0.
 Request typed(const Definition& definition, std::initializer_list<NamedValue> start, double end) {
   Request request = texts::typed_as(runs::defaults("harmonic_oscillator", "taylor"), texts::mechanics_of(definition));
   std::ranges::fill(runs::scene(request).initial, 0.0);
@@ -40,7 +40,7 @@ struct Chosen {
   Advice advice;
   Solution outcome;
 };
-/// The search and the run keep the limit together, as they do for the service.
+/// by_auto() gives the search and the run one time limit together, as the service does.
 Chosen by_auto(Request request, double accuracy) {
   const double begun = steady_seconds();
   Advice advice = advise(request, {accuracy, 0, {}}, never_cancelled);
@@ -56,7 +56,7 @@ double final_of(const Request& request, const Solution& outcome, std::string_vie
 
 // ---- units
 
-// From rest over a millionth of a metre in a constant field: its momentum is 10¹³ times its place.
+// From rest over a millionth of a metre in a constant field: the momentum is 10¹³ times the position.
 TEST(AutoUnits, AnElectronIsHeldAgainstItsPlaceAndItsMomentum) {
   const double a = 1.7588200107721635e20;
   for (const double gap : {1e-6, 3e-9, 2e-3}) {
@@ -72,14 +72,15 @@ TEST(AutoUnits, AnElectronIsHeldAgainstItsPlaceAndItsMomentum) {
   }
 }
 
-/// Where a planet is on its ellipse, from its periapsis: in units of the half axis and of the mean motion.
+/// on_ellipse() returns the position on a Kepler ellipse, from the periapsis, in units of the semi-major axis and the
+/// mean motion.
 std::array<double, 2> on_ellipse(double e, double mean) {
   double anomaly = mean;
   for (int i = 0; i < 50; ++i) anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
   return {std::cos(anomaly) - e, std::sqrt(1 - e * e) * std::sin(anomaly)};
 }
 
-// Planets and moons in metres and seconds, from a few turns of a moon to a part of that of a far planet.
+// Planets and moons in metres and seconds, from a few revolutions of a moon to a part of one of a distant planet.
 TEST(AutoUnits, OrbitsInMetresAndSeconds) {
   std::mt19937_64 random(20);
   const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<>(low, high)(random); };
@@ -98,8 +99,8 @@ TEST(AutoUnits, OrbitsInMetresAndSeconds) {
   }
 }
 
-// A comet: its momentum is off for a short while, at the periapsis, where in metres hardly anything seems to happen.
-// The sun is soft, so that no scheme follows the orbit exactly.
+// A comet: its momentum is wrong for a short while only, at the periapsis, and in metres and seconds hardly any number
+// changes there. The potential of the sun is softened, so that no scheme follows the orbit exactly.
 TEST(AutoUnits, ErrorsOfAPassageAreFoundInMetresAndSeconds) {
   Request request = typed(texts::of(potential, {"x", "y"}, {{"mu", 1.327e20}}, "-mu/sqrt(x^2+y^2+1e16)"),
                           {{"x", 4e12}, {"py", 500}}, 3.2e9);
@@ -131,7 +132,7 @@ TEST(AutoUnits, AtomsInATrap) {
   }
 }
 
-// A radial momentum that is nothing but rounding, and a plane that a motion never leaves, are no faults.
+// A radial momentum that is only rounding, and a plane that a motion never leaves, do not count as errors.
 TEST(AutoUnits, WhatStaysAtRestIsNoFault) {
   const double r = 1.3, mu = 0.7;
   const Request circle = typed(texts::flow({"r", "phi", "w", "l"}, {{"mu", mu}},
@@ -158,7 +159,7 @@ struct Hard {
 Hard relaxation(double m) {
   return {"van der Pol", texts::flow({"x", "v"}, {{"m", m}}, {{"x", "v"}, {"v", "m*(1-x^2)*v-x"}}), {{"x", 2}}, m};
 }
-/// Relaxation oscillations, small cycles by the thousand, a pendulum whose pivot is shaken.
+/// Relaxation oscillations, thousands of small cycles, a pendulum whose pivot is shaken.
 std::vector<Hard> hard_ones() {
   return {relaxation(50),
           relaxation(200),
@@ -170,8 +171,8 @@ std::vector<Hard> hard_ones() {
           {"Kapitza", texts::of(potential, {"u"}, {}, "-(1-90*cos(30*t))*cos(u)"), {{"u", 3}}, 40}};
 }
 
-// The search takes half of the time and leaves the other to the run, which comes to the end: what it could not measure
-// it does not call met.
+// The search takes half of the time and leaves the other half to the run, which completes. It does not claim an
+// accuracy that it could not measure.
 TEST(AutoTime, ComesBackWithARun) {
   for (const Hard& hard : hard_ones()) {
     Request request = typed(hard.definition, {}, hard.end);
@@ -198,7 +199,7 @@ TEST(AutoTime, ComesBackWithARun) {
   }
 }
 
-// With hardly any time: a run all the same, and nothing is claimed of its error.
+// With hardly any time there is a run all the same, and no claim about its error.
 TEST(AutoTime, ClaimsNothingThatItHadNoTimeToMeasure) {
   std::vector<Hard> all = hard_ones();
   all.push_back(relaxation(1e4));
@@ -215,14 +216,14 @@ TEST(AutoTime, ClaimsNothingThatItHadNoTimeToMeasure) {
 
 // ---- events and ends
 
-// Beyond the event the motion runs away: nothing there is to be measured.
+// Beyond the event the motion escapes: errors are not measured there.
 TEST(AutoEvents, MeasuresUpToTheOneThatEndsTheRun) {
   const Request free = typed(texts::of(potential, {"x"}, {}, "x^2/2+x^3/3"), {{"px", -0.7}}, 30);
   const Request request = stopping_at(free, "x+1.5", -1);
   const Chosen chosen = by_auto(request, 1e-6);
   EXPECT_TRUE(chosen.advice.met && chosen.advice.known) << chosen.advice.reason;
   EXPECT_EQ(chosen.outcome.event, "end");
-  // dt = dx/p along the level of the energy.
+  // The time is ∫ dx/p along the energy level.
   double time = 0;
   constexpr int parts = 20'000;
   for (int k = 0; k < parts; ++k) {
@@ -231,12 +232,12 @@ TEST(AutoEvents, MeasuresUpToTheOneThatEndsTheRun) {
   }
   EXPECT_NEAR(chosen.outcome.t, time, 1e-5) << chosen.advice.reason;
   EXPECT_NE(chosen.advice.reason.text().find("end ends the run"), std::string::npos) << chosen.advice.reason;
-  // Without it the motion ends before the span does, and no error is known over the whole of it.
+  // Without the event the motion ends before the span does, and no error is known over all of it.
   const Chosen all = by_auto(free, 1e-6);
   EXPECT_FALSE(all.advice.known) << all.advice.reason;
 }
 
-// Light that grazes the photon sphere, up to where it comes back.
+// Light that grazes the photon sphere, until it comes back.
 TEST(AutoEvents, GrazingPhotonsComeBack) {
   for (const double start : {0.0, 1e-3}) {
     const Request request =
@@ -251,7 +252,7 @@ TEST(AutoEvents, GrazingPhotonsComeBack) {
   }
 }
 
-/// In V = f |x| from rest at x = a: parabolas, four of them a turn.
+/// bounced() returns the motion in V = f |x| from rest at x = a: parabolas, four of them a period.
 double bounced(double f, double a, double t) {
   const double quarter = std::sqrt(2 * a / f), phase = std::fmod(t, 4 * quarter);
   const double there = phase < 2 * quarter ? phase : phase - 2 * quarter, u = there - quarter;
@@ -260,7 +261,7 @@ double bounced(double f, double a, double t) {
   return phase < 2 * quarter ? x : -x;
 }
 
-// The force jumps where no series goes on: the motion does.
+// The force jumps, and no series continues there; the motion does.
 TEST(AutoEvents, AKinkIsNoEnd) {
   for (const auto& [f, a, end] : {std::array{1.0, 1.0, 20.0}, {2.0, 0.7, 9.0}, {0.3, 3.0, 30.0}}) {
     const Request request = typed(texts::of(potential, {"x"}, {{"f", f}}, "f*sqrt(x^2)"), {{"x", a}}, end);

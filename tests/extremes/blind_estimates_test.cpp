@@ -1,5 +1,5 @@
-// Steps that their own estimates of the error let pass although it is large: over poles that can be integrated, and
-// where a stiff motion keeps what should decay. What is off by far more than the tolerance says so.
+// Steps whose own error estimates are small although the error is large: over poles that can be integrated, and where a
+// scheme preserves a stiff component that should decay. A run that is off by far more than its tolerance warns.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "tests/extremes/asking.hpp"
 #include "tests/support/texts.hpp"
 
-namespace blind_estimates {  // beside other files in one unit
+namespace blind_estimates {  // other files may share the translation unit
 namespace {
 
 using namespace texts;
@@ -20,7 +20,7 @@ using namespace asking;
 
 Request typed(const Definition& definition, const std::vector<double>& start, std::string_view scheme, double end) {
   Request request = typed_as(runs::defaults("harmonic_oscillator", scheme), mechanics_of(definition));
-  auto& initial = runs::scene(request).initial;  // with room for variables that the form has and the motion has not
+  auto& initial = runs::scene(request).initial;  // has room for variables that the equations do not use
   std::ranges::fill(initial, 0);
   std::ranges::copy(start, initial.begin());
   request.end = end;
@@ -37,9 +37,9 @@ std::string text(const char* form, double a, double b, double w) {
 
 struct Integral {
   std::string rate;
-  double right;  ///< from 0 to 2
+  double right;  ///< the integral from 0 to 2
 };
-/// |t − a|^p + cos(w t), or 2 log|t − a| + cos(w t).
+/// drawn() draws the rate |t − a|^p + cos(w t) or 2 log|t − a| + cos(w t), and its integral.
 Integral drawn(std::mt19937& bits, double least_power) {
   const auto draw = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(bits()) / static_cast<double>(std::mt19937::max());
@@ -52,7 +52,7 @@ Integral drawn(std::mt19937& bits, double least_power) {
           (std::pow(a, p + 1) + std::pow(b, p + 1)) / (p + 1) + wave};
 }
 
-// Over a pole the error of some step vanishes by chance, as its estimate sees it: it is not believed at once.
+// Over a pole the error estimate of some step vanishes by chance: the scheme does not trust it at once.
 TEST(BlindEstimates, OfStepsOverAPole) {
   std::mt19937 bits(36);
   for (const std::string_view scheme : {"fehlberg_78", "bulirsch_stoer"}) {
@@ -92,8 +92,8 @@ TEST(BlindEstimates, OfRobertsonsProblem) {
     }
 }
 
-// x = e^{−t}, and what is off from it grows like e^t: what comes of that is more than was allowed, and said. What is no
-// more, or right, is not.
+// x = e^{−t}, and a deviation from it grows like e^t. Where the deviation is more than the tolerance allows there is a
+// warning; where it is not, or the run is right, there is none.
 TEST(BlindEstimates, AreToldByTheControl) {
   const auto warned_of = [](const char* rate, std::string_view scheme, double tolerance) {
     Request request = typed(flow({"x"}, {}, {{"x", rate}}), {1}, scheme, 14);

@@ -1,5 +1,6 @@
-// Schemes that set their own clock on extreme orbits: eccentric, unbound and straight ones, and such as are never or
-// always fast; beside each extreme a benign twin. Settings, budgets and samples stand in clock_runs_test.cpp.
+// Schemes that choose their own steps on extreme orbits: eccentric, unbound and straight ones, and orbits on which the
+// hybrid is never or always in its fast mode; beside each extreme a benign twin. Settings, budgets and samples are
+// tested in clock_runs_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,11 +17,11 @@ Request only_final(Request request) {
   runs::only_final(request);
   return ask(request, {"energy", "error"});
 }
-/// The planar orbit with a = 1 and μ = 1 from its apoapsis below the centre; the period is 2π.
+/// ellipse() requests the planar orbit with a = 1 and μ = 1 from its apoapsis below the centre; the period is 2π.
 Request ellipse(double e, const Scheme& scheme) {
   return at(of("kepler", scheme, {}), {{"x", 0}, {"y", -1 - e}, {"px", -std::sqrt((1 - e) / (1 + e))}, {"py", 0}});
 }
-/// E₀ = 0.475, e = 1.073. `side` −1: its mirror image, run through the other way round.
+/// hyperbola() requests the orbit with E₀ = 0.475, e = 1.073; with `side` −1 its mirror image.
 Request hyperbola(const Scheme& scheme, double side = 1) {
   return at(of("kepler", scheme, {}), {{"x", 0}, {"y", -4}, {"px", -0.1 * side}, {"py", 1.2}});
 }
@@ -35,7 +36,7 @@ std::int64_t switches(const runs::Result& result) {
 TEST(ClockEccentricity, NearlyOne) {
   struct Row {
     Scheme scheme;
-    double error, energy;  // after one period, along it; the energy's grows as 1/r at the periapsis
+    double error, energy;  // along one period; that of the energy grows as 1/r at the periapsis
   };
   for (const auto& [scheme, error, energy] :
        {Row{{"jacobi_maupertuis"}, 5e-5, 4e-9},
@@ -51,7 +52,7 @@ TEST(ClockEccentricity, NearlyOne) {
       EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << what;
       EXPECT_LT(number(result, "error/final"), error) << what;
       EXPECT_LT(number(result, "energy/max_abs_error"), energy) << what;
-      for (const auto& warning : result.outcome.warnings) {  // late by little is far where it is fastest
+      for (const auto& warning : result.outcome.warnings) {  // a small delay is a large error where the body is fast
         EXPECT_EQ(warning.code, "large_error") << what;
         EXPECT_GT(number(result, "error/max"), 0.1) << what;
       }
@@ -67,7 +68,7 @@ TEST(ClockEccentricity, AStepOfAnyLengthIsHalvedUntilItTurnsLittle) {
     EXPECT_LT(control(of("kepler", {"jacobi_maupertuis"}, {}), 18.893743377439769), 4e-5) << theta;  // e = 0.961
     for (const double e : {0.99, 0.9999})
       EXPECT_LT(control(ellipse(e, {"jacobi_maupertuis"}), 2 * pi), 8e-5) << theta << ' ' << e;
-    for (const double e : {0.5, 0.961, 0.9999})  // without control: any status, nothing that is not finite
+    for (const double e : {0.5, 0.961, 0.9999})  // without control: any status, but finite numbers
       for (const double order : {2, 4, 6})
         go(set(ellipse(e, {"jacobi_maupertuis"}), {{"theta", theta}, {"alpha_max", null}, {"order", order}}));
   }
@@ -95,7 +96,7 @@ TEST(ClockUnbound, AndRetrogradeOrbits) {
   }
 }
 
-// From σ√(2E₀) = 2 on a step jumps to the hyperbola's other branch.
+// From σ√(2E₀) = 2 on a step jumps to the other branch of the hyperbola.
 TEST(ClockUnbound, NoStepLeadsToTheOtherBranch) {
   const double level = 0.475, bound = 2 / std::sqrt(2 * level);
   for (const double kappa : {null, -level, -level * (1 + 1e-12), -level * (1 + 1e-6), -level * (1 - 1e-6)})
@@ -117,7 +118,7 @@ TEST(ClockUnbound, NoStepLeadsToTheOtherBranch) {
 
 // ── straight into the centre ────────────────────────────────────────────────────────────────────────────────────────
 
-/// When a body at the distance r with the speed v outwards, −v inwards, falls into the centre; μ = 1.
+/// collision() returns when a body at the distance r with the radial velocity v falls into the centre; μ = 1.
 double collision(double r, double v) {
   const double a = 1 / (2 / r - v * v), eta = std::acos(1 - r / a), part = eta - std::sin(eta);
   return a * std::sqrt(a) * (v > 0 ? 2 * pi - part : part);
@@ -155,8 +156,8 @@ TEST(ClockCollision, EndsInAnUnderflow) {
       }
 }
 
-// The limit of the ellipse e → 1 turns back at the centre. Where κ = −E₀ steps follow it through; elsewhere what is
-// found behind the centre is right or the run has ended.
+// In the limit e → 1 the ellipse turns back at the centre. With κ = −E₀ steps follow it through the centre; with other
+// values the state behind the centre is right or the run has ended.
 TEST(ClockCollision, TurnsBackOrEnds) {
   for (const Line& line : lines()) {
     for (const double sigma : {0.01, 0.05}) {
@@ -180,7 +181,7 @@ TEST(ClockCollision, TurnsBackOrEnds) {
   }
 }
 
-// Steps shorten until the clock cannot tell them apart, just short of the centre or, by their error, beyond it.
+// Steps shorten until the time no longer changes by them, just before the collision or, by their error, behind it.
 TEST(ClockCollision, OfAdaptiveStepsEndsWhereItHappens) {
   for (const Line& line : lines())
     for (const std::string_view scheme : adaptive)
@@ -198,7 +199,7 @@ TEST(ClockCollision, OfAdaptiveStepsEndsWhereItHappens) {
       }
 }
 
-// On an oblique line round-off and the order's own drift give the orbit an angular momentum: it may turn back.
+// On an oblique line round-off and the error of the scheme give the orbit an angular momentum: it may turn back.
 TEST(ClockCollision, AlongAnyLineEndsOrTurnsBack) {
   int ended = 0;
   for (int k = 0; k < 24; ++k) {  // every third a diagonal
@@ -243,7 +244,7 @@ TEST(ClockThreshold, NeverReachedLeavesTheComposedScheme) {
       EXPECT_EQ(never.outcome.final, high.outcome.final) << id;
       EXPECT_EQ(never.outcome.cost.force_evaluations, high.outcome.cost.force_evaluations);
       EXPECT_EQ(switches(never), 0);
-      // To the end by dense output on one side, by a shorter step on the other: on whole steps they agree.
+      // One run ends by dense output, the other by a shorter step: they agree at whole steps only.
       const auto leapfrog = go(until(choose(of(id, {"leapfrog"}, {}), {{"composition", composition}}), 10.003));
       ASSERT_GE(never.rows.size() + 1, leapfrog.rows.size()) << id << ' ' << order;
       for (std::size_t k = 0; k + 1 < leapfrog.rows.size(); k += 10)

@@ -1,4 +1,4 @@
-// Schemes that set their own clock: settings of any size, motions at rest and next to it, budgets, and samples that lie
+// Schemes that choose their own steps: settings of any size, motions at rest and nearly at rest, budgets, and samples
 // within a step.
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@ namespace {
 using namespace least;
 using namespace asking;
 
-/// Every pair of a problem and a scheme that sets its own clock. No motion leaves its domain: a Plummer star has no
-/// surface.
+/// for_each_clock() calls f for every pair of a problem and a scheme that chooses its own steps. No motion leaves its
+/// domain: the star is Plummer's, which has no surface.
 template <class F>
 void for_each_clock(F&& f) {
   for (const ProblemCard& problem : runs::problem_cards())
@@ -41,8 +41,8 @@ TEST(ClockSettings, OfAnySizeEndInAStatus) {
   });
 }
 
-// Its steps take no time, or must not err at all, so it can go nowhere: said at once, with the start as the last good
-// state.
+// Such a step takes no time, or must have no error at all, so that the run cannot advance: it ends at once, with the
+// start as the last good state.
 TEST(ClockSettings, AStepOfNoLengthIsFoundOut) {
   for_each_clock([](const Request& plain) {
     Request request = plain;
@@ -91,7 +91,7 @@ TEST(ClockSettings, AnyGravityIsTheSameOrbit) {  // lengths fixed, times scaled 
   }
 }
 
-/// Whether the scene is another one at another time.
+/// reads_time() says whether the equations of motion depend on time.
 bool reads_time(const Request& request) {
   static constexpr std::string_view scenes[] = {"driven_oscillator", "modulated_oscillator", "perturbed_kepler",
                                                 "spin_orbit", "lane_emden"};
@@ -103,7 +103,7 @@ bool reads_time(const Request& request) {
 TEST(ClockAtRest, AnEquilibriumStays) {
   int still = 0, scenes = 0;
   for_each_clock([&](const Request& plain) {
-    // What is singular at 0, what is driven, and heat at no temperature.
+    // Left out: scenes that are singular at 0, that are driven, and heat at temperature zero.
     for (const std::string_view id : {"kepler", "kepler_3d", "perturbed_kepler", "damped_kepler", "lane_emden",
                                       "driven_oscillator", "spin_orbit", "generic_oscillator"})
       if (problem_of(plain).id == id) return;
@@ -235,7 +235,7 @@ TEST(ClockSamples, LieOnTheMotionHoweverManyAStepHolds) {
     for (std::size_t i = 0; i < start.size(); ++i) {
       EXPECT_EQ(result.rows[0][i + 1], start[i]) << name(request);
       EXPECT_EQ(result.rows.back()[i + 1], end[i]) << name(request);
-      for (std::size_t k = 2; k < 99; ++k) {  // a straight line, as far as 1e-5 shows
+      for (std::size_t k = 2; k < 99; ++k) {  // a straight line within 1e-5
         const double bend = result.rows[k][i + 1] - (result.rows[k - 1][i + 1] + result.rows[k + 1][i + 1]) / 2;
         EXPECT_NEAR(bend, 0, 2e-8) << name(request) << ' ' << k;
       }
@@ -286,7 +286,7 @@ TEST(ClockSamples, FarFromTheTimeZero) {
       EXPECT_EQ(there.outcome.stop.reason, ReturnCode::completed) << name(request);
       EXPECT_EQ(there.outcome.t, start + 5) << name(request);
       const auto far = known(there.outcome.final), near = known(here.outcome.final);
-      // A clock that is read is rounded at every step.
+      // The time of an adaptive step is rounded in every step.
       const double slack = is_adaptive(request) ? 1e3 * std::abs(std::nextafter(start, 0) - start) : 0;
       for (std::size_t i = 0; i < near.size(); ++i)
         EXPECT_NEAR(far[i], near[i], 1e-5 + slack) << name(request) << ' ' << start;
@@ -300,8 +300,8 @@ TEST(ClockSamples, ATimeTooLargeToAdvanceEndsInAStatus) {
     runs::scene(request).start = 1e300;
     request.end = 1e301;
     request.limits.steps = 1000;
-    // A clock that is read cannot stand still; others add their steps up beside it, and where the scene reads the time
-    // it is another motion, that may end earlier.
+    // An adaptive scheme cannot step where the time does not change. Other schemes sum their steps apart from the time;
+    // where the scene depends on time the motion is another one and may end earlier.
     const ReturnCode why = reason(request);
     if (is_adaptive(request)) {
       EXPECT_EQ(why, ReturnCode::singular) << name(request);
@@ -314,7 +314,7 @@ TEST(ClockSamples, ATimeTooLargeToAdvanceEndsInAStatus) {
 
 // ── what went wrong is said ─────────────────────────────────────────────────────────────────────────────────────────
 
-/// Expects a run that has gone wrong to have stopped or, at the least, to warn.
+/// expect_said() expects a run that has gone wrong to have stopped or, at least, to warn.
 void expect_said(const Request& request) {
   const auto result = go(ask(request, {"energy"}));
   const double defect = number(result, "energy/max_abs_error") / std::abs(number(result, "energy/initial"));
@@ -323,7 +323,7 @@ void expect_said(const Request& request) {
   EXPECT_FALSE(wrong && warned(result, "steps_in_time")) << "not stopped: energy off by " << defect;
 }
 
-// Behind a step in time the body may be far away; ωh is 300 in front of it.
+// After a step in time the body may be far away; ωh is 300 before that step.
 TEST(ClockRun, AFirstStepInTimeOutOfTheDepthOfAWellIsSeen) {
   const Scheme scheme{"jacobi_maupertuis", {{"critical_kinetic_energy", null}}};
   const Request deep = at(of("kepler", scheme, {}), {{"x", 1e-3}, {"y", 0}, {"px", 0}, {"py", 20}});
@@ -339,7 +339,7 @@ TEST(ClockRun, AStepThatStandsInIsWatchedLikeOneInTime) {
   expect_said(request);
 }
 
-// The density of steps alternates and carries no message any more.
+// The density of steps oscillates from step to step and no longer says anything about the motion.
 TEST(ClockRun, ADensityThatSwingsEndsTheRun) {
   const Scheme scheme{"adaptive_verlet", {{"monitor", 0}}};
   const Request request = until(at(of("kepler", scheme, {}), {{"x", 0}, {"y", -1.999}, {"px", -0.0224}, {"py", 0}}), 6);
@@ -347,7 +347,7 @@ TEST(ClockRun, ADensityThatSwingsEndsTheRun) {
   EXPECT_EQ(reason(request), ReturnCode::singular);
 }
 
-// By the rules of the plane the parameter's share of the motion may be anything.
+// By the parameter rules of the plane the parameter coordinate may move at any speed.
 TEST(ClockRun, StepControlKnowsHowFastTheParameterIs) {
   const auto off = [](double rule) {
     const Scheme scheme{"jacobi_maupertuis", {{"parameter_rule", rule}}};

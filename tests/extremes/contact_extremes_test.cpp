@@ -1,5 +1,5 @@
-// What damping, driving and an action that blows up do at the extremes: METHODS, section 7, row by row, and beside each
-// extreme a benign twin. Problems that are not mechanical stand in flow_extremes_test.cpp.
+// Damping, driving and an action that blows up at their extremes: METHODS, section 7, row by row, and beside each
+// extreme a benign twin. flow_extremes_test.cpp has the problems that are not mechanical.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,8 +34,7 @@ TEST(DampingSign, IsWarnedOfAndMeansThatTheMomentumAlternates) {
     }
 }
 
-/// A composition turns the momentum over where an odd number of its stages does, and not where the longest of them
-/// does.
+/// A composition reverses the momentum where an odd number of its stages does, not where its longest stage does.
 TEST(DampingSign, OfACompositionIsThatOfItsStages) {
   for (const char* scheme : {"contact_leapfrog", "contact_variational_midpoint"})
     for (const auto& [composition, alpha, turns] :
@@ -50,7 +49,7 @@ TEST(DampingSign, OfACompositionIsThatOfItsStages) {
     }
 }
 
-/// Of the first-order scheme from αh = 1 on, where it loses the momentum.
+/// The first-order scheme warns from αh = 1 on, where it loses the momentum.
 TEST(DampingSign, OfTheFirstOrderSchemeIsWarnedOfFromOneOn) {
   const double h = 0.1;
   for (const double alpha : {9.9, 10.0, 15.0}) {
@@ -98,7 +97,8 @@ TEST(DampingSign, OfADampingThatVariesIsFoundOnTheWay) {
 
 // ── ωh ──────────────────────────────────────────────────────────────────────────────────────────────────────────────
 
-/// Runs on both sides of a bound: below it completed and bounded, beyond it stopped at the start.
+/// expect_bound() runs on both sides of a bound: below it the run completes and stays bounded, above it stops at the
+/// start.
 void expect_bound(const Request& below, const Request& above, const std::string& what) {
   const auto inside = go(below);
   EXPECT_EQ(inside.outcome.stop.reason, ReturnCode::completed) << what << ": " << inside.outcome.stop.detail;
@@ -107,7 +107,7 @@ void expect_bound(const Request& below, const Request& above, const std::string&
   EXPECT_EQ(beyond.outcome.stop.reason, ReturnCode::unstable_step) << what;
   EXPECT_EQ(beyond.outcome.stop.step, 0) << what;
   EXPECT_EQ(beyond.rows.size(), 1U) << what << ": the start is a good state";
-  // Just below the bound the ellipse of the motion is long, but closed.
+  // Just below the bound the numerical motion is on a long, but closed ellipse.
   EXPECT_LT(largest(below, inside, "q"), 40) << what;
 }
 
@@ -214,7 +214,7 @@ TEST(Pole, OfDrivingIsRefusedAndSplittingGrowsAsTheMotionDoes) {
     near.steps = 3;
     EXPECT_EQ(reason(near), ReturnCode::completed) << scheme;
   }
-  // H e^{αt} is kept while the amplitude grows by e^{−αt/2}: 1e11 here.
+  // H e^{αt} is conserved while the amplitude grows by e^{−αt/2}: 1e11 here.
   for (const std::string_view splitting : {"plain", "merged"}) {
     Request request = choose(damped("contact_splitting", 0.001, -1), {{"splitting", splitting}});
     request.until_steps = false;
@@ -260,7 +260,8 @@ void expect_blow_up(const Request& request, double when, double tolerance, const
   EXPECT_EQ(value(request, result.rows.back(), "s"), result.outcome.final[2]) << what;
 }
 
-// s₀ = −2, γ = R = 1: artanh(1/√2)·√2. Splitting solves this motion exactly; leapfrog arrives with its own errors.
+// s₀ = −2, γ = R = 1: the time is artanh(1/√2)·√2. The splitting solves this motion exactly; leapfrog has its own
+// errors.
 TEST(BlowUp, IsFoundInTime) {
   const double when = std::sqrt(2.0) * std::atanh(std::sqrt(0.5));
   EXPECT_NEAR(when, 1.24645048028, 1e-11);
@@ -273,7 +274,7 @@ TEST(BlowUp, IsFoundInTime) {
   for (const std::string_view scheme : adaptive)
     for (const double tolerance : {1e-14, 1e-8, 1e-3})
       expect_blow_up(set(falling(scheme, -2), {{"tolerance", tolerance}}), when, 1e-10, std::string(scheme));
-  // What lies above the repelling point is pulled to the attracting one.
+  // A start above the repelling point goes to the attracting one.
   const Request benign = falling("contact_splitting", -1.4);
   EXPECT_EQ(reason(benign), ReturnCode::completed);
   EXPECT_NEAR(go(benign).outcome.final[2], std::sqrt(2.0), 1e-6);
@@ -295,8 +296,8 @@ TEST(BlowUp, WithoutSourceWithASinkAndOfWeakCurvature) {
   EXPECT_EQ(reason(falling("contact_splitting", -2, {{"gamma", 0}})), ReturnCode::completed) << "without curvature";
 }
 
-// A part γs²/2 of a step has a pole at γsh = −2. Where nothing of a step is such a part, what feeds s turns it back:
-// from −30 by the rate 1000 − 450 of the start.
+// The flow of γs²/2 has a pole at γsh = −2. In schemes without such a part the source turns s back: from −30, at the
+// rate 1000 − 450 of the start.
 TEST(BlowUp, PolesOfPartsAreThoseOfSchemesThatHaveThem) {
   for (const std::size_t index : runs::problem_card("cosmological_oscillator").schemes) {
     const SchemeCard& scheme = schemes()[index];
@@ -312,7 +313,7 @@ TEST(BlowUp, PolesOfPartsAreThoseOfSchemesThatHaveThem) {
   }
 }
 
-// With a sink the action falls to −∞ once in every π/w, w = √(γ|R|/2) = 707: steps longer than that cannot miss it.
+// With a sink the action falls to −∞ in every interval π/w, w = √(γ|R|/2) = 707: steps longer than that cannot miss it.
 TEST(BlowUp, IsNotLeaptOverByALongStep) {
   const double w = 500 * std::sqrt(2.0);
   for (const double s : {0.0, 100.0})
@@ -322,7 +323,7 @@ TEST(BlowUp, IsNotLeaptOverByALongStep) {
           (pi / 2 + std::atan(500 * s / w)) / w, 1e-12, std::to_string(turns));
 }
 
-// Off the axis the momentum, driven ever harder, turns s back before it is infinite: a step that resolves this passes.
+// For q, p ≠ 0 the momentum grows and turns s back before it is infinite: a step that resolves this passes.
 TEST(BlowUp, OffTheAxisIsATurnThatAShortStepPasses) {
   for (const std::string_view scheme : {"contact_splitting", "contact_leapfrog"}) {
     Request request = at(falling(scheme, -3), {{"q", 0.5}, {"p", 0.3}});

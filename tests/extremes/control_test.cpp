@@ -1,4 +1,4 @@
-// The control run: what is far from another scheme's motion says so, and hardly anything else does.
+// The control run: runs that are far from another scheme's motion warn, and hardly any others do.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -26,14 +26,14 @@ TEST(Control, WhatIsFarBeyondResolutionSaysSo) {
     EXPECT_FALSE(warned(go(of("harmonic_oscillator", {scheme, {{"step", 1.9}}}, {})), "large_error"))
         << "not asked for";
   }
-  // It is no part of the run.
+  // The control does not change the run.
   const auto with = go(coarse("leapfrog", 0.5)),
              without = go(of("harmonic_oscillator", {"leapfrog", {{"step", 0.5}}}, {}));
   EXPECT_EQ(with.outcome.final, without.outcome.final);
   EXPECT_EQ(with.outcome.cost.force_evaluations, without.outcome.cost.force_evaluations);
 }
 
-// Through a collision steps that follow the motion swing as if it were elastic, and stiff motion is slow, not singular.
+// Adaptive steps pass a collision as if it were elastic; stiff motion is slow, not singular.
 TEST(Control, WhatGoesOnBeyondASingularitySaysSo) {
   const auto warns = [](Request request, double end) {
     request.end = end;
@@ -54,8 +54,8 @@ TEST(Control, WhatGoesOnBeyondASingularitySaysSo) {
         << epsilon;
 }
 
-// The control is of the same pair as one of the schemes: it is not to follow a run of that step by step, as chaotic as
-// it may be.
+// The control is by the same pair as one of the schemes: it must not repeat the steps of a run by that scheme, however
+// chaotic the motion.
 TEST(Control, IsNoRunOfTheSameSteps) {
   Request chaos = of("lorenz", {"dormand_prince_5"}, {});
   chaos.end = 30;
@@ -65,7 +65,7 @@ TEST(Control, IsNoRunOfTheSameSteps) {
   }
 }
 
-/// The request of a preset, where it runs under this scheme.
+/// preset() returns the request of a preset, if it runs under this scheme.
 Request preset(const ProblemCard& problem, const SchemeCard& scheme, const PresetCard* with) {
   Request request = of(problem.id, {scheme.id}, {});
   if (!with) return request;
@@ -78,7 +78,7 @@ Request preset(const ProblemCard& problem, const SchemeCard& scheme, const Prese
   return request;
 }
 
-// Every scene as it is offered: of what is right to 1 % hardly anything is warned of, and what is wrong by 30 % is.
+// Every scene with its defaults and presets: runs that are right to 1 % hardly ever warn, and runs wrong by 30 % do.
 TEST(Control, ScenesOfTheCatalogueSayWhatTheyAreWorth) {
   int runs = 0, right = 0, alarmed = 0, wrong = 0, silent = 0;
   for (const ProblemCard& problem : runs::problem_cards())
@@ -91,7 +91,7 @@ TEST(Control, ScenesOfTheCatalogueSayWhatTheyAreWorth) {
         if (!known || !completed) continue;
         ++runs;
         const std::string label = name(request) + ' ' + (with ? with->name : "");
-        // How steps were taken is no alarm.
+        // A warning about how steps were taken does not count.
         const bool warned = !said.empty() && said != "steps_in_time";
         if (error < 0.01) {
           ++right;
@@ -113,7 +113,7 @@ TEST(Control, ScenesOfTheCatalogueSayWhatTheyAreWorth) {
   EXPECT_LE(100 * silent, runs);
 }
 
-// The rule for all, on a sample; the benchmark takes ten times as many.
+// The same rule on a sample of random runs; the benchmark takes ten times as many.
 TEST(Control, OfRandomCoarseRunsHardlyOneIsWrongWithoutAWord) {
   const coarse::Count count = coarse::sample(200);
   std::printf("%d runs, %d completed, %d wrong, %d of them silent; %d right, %d of them warned of\n", count.runs,

@@ -1,5 +1,5 @@
-// Motions that end at a place where their rates are infinite or not defined: every scheme that sets its own steps ends
-// there, soon, and says when. What only looks like an end is none.
+// Motions that end at a place where their rates are infinite or not defined: every scheme that chooses its own steps
+// ends there, soon, and says when. A place that only looks like an end does not stop a run.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "tests/extremes/asking.hpp"
 #include "tests/support/texts.hpp"
 
-namespace ends_of_motions {  // beside other files in one unit
+namespace ends_of_motions {  // other files may share the translation unit
 namespace {
 
 using namespace texts;
@@ -27,7 +27,7 @@ struct Motion {
   std::string what;
   Definition definition;
   std::vector<double> start;
-  double ends;  ///< when, by a closed form
+  double ends;  ///< the time of the end, by a closed form
 };
 Motion moving(Definition::Named equations, std::vector<double> start, double ends) {
   std::vector<std::string> variables;
@@ -40,7 +40,7 @@ Motion moving(Definition::Named equations, std::vector<double> start, double end
 }
 Request of(const Motion& motion, std::string_view scheme, double end) {
   Request request = typed_as(runs::defaults("harmonic_oscillator", scheme), mechanics_of(motion.definition));
-  auto& initial = runs::scene(request).initial;  // with room for variables that the form has and the motion has not
+  auto& initial = runs::scene(request).initial;  // has room for variables that the equations do not use
   std::ranges::fill(initial, 0);
   std::ranges::copy(motion.start, initial.begin());
   request.end = end;
@@ -59,7 +59,7 @@ class Draw {
  private:
   std::mt19937 bits_;
 };
-/// Where an increasing function vanishes.
+/// zero() returns the zero of an increasing function between 0 and `high`.
 template <class F>
 double zero(F&& f, double high) {
   double low = 0;
@@ -77,32 +77,32 @@ Motion blows_up(Draw& draw) {
   const double c = draw(0.2, 5), x = draw(0.3, 5), p = draw(0, 1) < 0.5 ? std::floor(draw(2, 5)) : draw(1.3, 4);
   return moving({{"x", digits(c) + "*x^" + digits(p)}}, {x}, std::pow(x, 1 - p) / (c * (p - 1)));
 }
-/// A rate that depends on time, too: x^(1 + p) = x₀^(1 + p) − (1 + p) (a t + b (1 − cos w t)/w).
+/// The rate depends on time, too: x^(1 + p) = x₀^(1 + p) − (1 + p) (a t + b (1 − cos w t)/w).
 Motion falls_in_time(Draw& draw) {
   const double a = draw(0.5, 2), b = draw(0, 0.4), w = draw(1, 20), x = draw(0.3, 2), p = draw(0.3, 3);
   const auto left = [=](double t) { return (1 + p) * (a * t + b * (1 - std::cos(w * t)) / w) - std::pow(x, 1 + p); };
   return moving({{"x", "-(" + digits(a) + "+" + digits(b) + "*sin(" + digits(w) + "*t))*x^(-" + digits(p) + ")"}}, {x},
                 zero(left, 1e3));
 }
-/// Beside another variable: x² = x₀² + y₀² − (y₀ + t)².
+/// The rate depends on another variable: x² = x₀² + y₀² − (y₀ + t)².
 Motion falls_beside(Draw& draw) {
   const double x = draw(0.3, 3), y = draw(0.1, 3);
   return moving({{"x", "-y/x"}, {"y", "1"}}, {x, y}, std::hypot(x, y) - y);
 }
-/// From rest onto a centre.
+/// A fall from rest onto a centre.
 Motion collides(Draw& draw) {
   const double k = draw(0.2, 5), x = draw(0.3, 5);
   return moving({{"x", "v"}, {"v", "-" + digits(k) + "/x^2"}}, {x, 0}, pi * std::sqrt(x * x * x / (8 * k)));
 }
-/// A universe that falls together: a = m sin²θ/k.
+/// A universe that collapses: a = m sin²θ/k.
 Motion falls_together(Draw& draw) {
   const double m = draw(0.3, 2), k = draw(0.1, 0.9), a = draw(0.1, 0.9) * m / k,
                angle = std::asin(std::sqrt(k * a / m));
   return moving({{"a", "-sqrt(" + digits(m) + "/a - " + digits(k) + ")"}}, {a},
                 m * std::pow(k, -1.5) * (angle - std::sin(angle) * std::cos(angle)));
 }
-/// To where the rate vanishes and has no derivative, not so slowly that the time of that is lost: x^(1 − q) = x₀^(1 −
-/// q) − (1 − q) t.
+/// A motion to where the rate vanishes and has no derivative, fast enough that the time of arrival is well defined:
+/// x^(1 − q) = x₀^(1 − q) − (1 − q) t.
 Motion comes_to_rest(Draw& draw) {
   const double x = draw(0.3, 5), q = draw(0.15, 0.5);
   return moving({{"x", "-x^" + digits(q)}}, {x}, std::pow(x, 1 - q) / (1 - q));
@@ -137,8 +137,8 @@ TEST(MotionEnds, WhereRatesAreNotDefined) {
   }
 }
 
-// At the largest size of a closed universe the rate vanishes and has no derivative: the motion rests there or turns
-// back, and no scheme spends its time on choosing.
+// At the largest size of a closed universe the rate vanishes and has no derivative: the motion may rest there or turn
+// back, and no scheme spends its time on the choice.
 TEST(MotionEnds, WhereItHasTwoWaysToGoOn) {
   Draw draw(38);
   for (int k = 0; k < 10; ++k) {
@@ -156,7 +156,7 @@ TEST(MotionEnds, WhereItHasTwoWaysToGoOn) {
   }
 }
 
-// Steps of equal length overflow some way behind; control runs say where.
+// Steps of equal length overflow some time after the end; control runs say where it is.
 TEST(MotionEnds, OfEqualStepsIsToldByControls) {
   Draw draw(39);
   for (int k = 0; k < 20; ++k) {
@@ -177,8 +177,8 @@ struct NoEnd {
   std::vector<ReturnCode> reasons;
 };
 
-// Numbers that overflow, steps that a stiff or a fast motion keeps short, friction that turns over with the velocity, a
-// time so large that rounding moves it: none of them is a singularity.
+// Numbers that overflow, steps that a stiff or fast motion keeps short, friction that changes sign with the velocity,
+// and a time so large that rounding changes it: none of these is a singularity.
 TEST(MotionEnds, NotWhereItOnlyLooksLikeIt) {
   constexpr auto limit = ReturnCode::step_limit, completed = ReturnCode::completed;
   const NoEnd all[] = {
@@ -187,12 +187,12 @@ TEST(MotionEnds, NotWhereItOnlyLooksLikeIt) {
       {moving({{"x", "cos(exp(t))"}}, {1}, 0), 0, 40, {limit}},
       {moving({{"x", "-1e20*x"}}, {1}, 0), 0, 5, {limit}},
       {moving({{"x", "v"}, {"v", "-1e18*x"}}, {1, 0}, 0), 0, 5, {limit}},
-      // Steps that resolve it are too short to advance the time: that is all there is to say.
+      // Steps that resolve this are too short to change the time, so that the run may call it singular.
       {moving({{"x", "-tanh(1e20*x)"}}, {1}, 0), 0, 5, {limit, completed, ReturnCode::singular}},
       {moving({{"x", "-tanh(1e9*x)"}}, {1}, 0), 0, 5, {limit, completed}},
       {moving({{"x", "x^2*(1-x)"}}, {1e-7}, 0), 0, 1e9, {limit, completed}},  // a flame, stiff once it burns
       {moving({{"x", "v"}, {"v", "-x"}}, {1, 0}, 0), 1e17, 2e17, {ReturnCode::singular, limit}},
-      // An orbit that comes close to its sun, of a run so long that every step is short against it.
+      // An orbit close to its sun, in a run so long that every step is short against it.
       {moving({{"x", "u"}, {"y", "w"}, {"u", "-x*(x^2+y^2)^(-1.5)"}, {"w", "-y*(x^2+y^2)^(-1.5)"}},
               {1.96, 0, 0, std::sqrt(0.04 / 1.96)}, 0),
        0,
@@ -209,7 +209,7 @@ TEST(MotionEnds, NotWhereItOnlyLooksLikeIt) {
       EXPECT_NE(std::ranges::find(one.reasons, outcome.stop.reason), one.reasons.end())
           << one.motion.what << scheme << ": " << name(outcome.stop.reason) << ' ' << outcome.stop.detail;
     }
-  // Robertson's problem, which a loose tolerance makes run away.
+  // Robertson's problem, whose numerical motion escapes at a loose tolerance.
   const Motion robertson =
       moving({{"a", "-0.04*a+1e4*b*c"}, {"b", "0.04*a-1e4*b*c-3e7*b^2"}, {"c", "3e7*b^2"}}, {1, 0, 0}, 0);
   for (const std::string_view scheme : {"dormand_prince_5"}) {
@@ -223,7 +223,7 @@ TEST(MotionEnds, NotWhereItOnlyLooksLikeIt) {
 
 // ── references ──────────────────────────────────────────────────────────────────────────────────────────────────────
 
-// A reference comes to the same end, and says at once that it comes no further.
+// A reference ends at the same place, and says at once that it goes no further.
 TEST(MotionEnds, OfTheReferenceTakesNoTime) {
   Draw draw(40);
   for (int k = 0; k < 6; ++k)
@@ -238,14 +238,14 @@ TEST(MotionEnds, OfTheReferenceTakesNoTime) {
         const auto outcome = runs::go(request).outcome;
         const std::string what = motion.what + std::string(scheme);
         EXPECT_LT(read_clock() - before, 3) << what;
-        if (outcome.t < motion.ends) continue;  // it stopped before: there is a truth
+        if (outcome.t < motion.ends) continue;  // it stopped before the end: there is a true solution
         EXPECT_TRUE(std::isnan(runs::number(outcome.diagnostics, "error/max"))) << what;
         EXPECT_EQ(std::ranges::count(outcome.warnings, "reference_not_finished", &Warning::code), 1) << what;
       }
     }
 }
 
-// Thirty digits of a chaotic motion are gone after some time. Then nothing is known of errors.
+// A chaotic motion loses thirty digits after some time. From then on nothing is known of errors.
 TEST(Reference, ThatIsAsUncertainAsTheErrorIsNone) {
   const Motion lorenz = moving({{"x", "10*(y-x)"}, {"y", "x*(28-z)-y"}, {"z", "x*y-8/3*z"}}, {-13.76, -19.58, 27}, 0);
   for (const double end : {10.0, 120.0}) {

@@ -1,5 +1,5 @@
-// Zeros of expressions that turn faster than steps, on the harmonic oscillator q = cos t, p = −sin t: waves, narrow
-// peaks, steep steps, high powers, poles, and stretches on which nothing is defined. None is missing without a warning.
+// Zeros of expressions that change faster than steps, on the harmonic oscillator q = cos t, p = −sin t: waves, narrow
+// peaks, steep steps, high powers, poles, and intervals where they are undefined. No zero is missed without a warning.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 using namespace least;
 using namespace asking;
 
-/// The oscillator from q = 1 at rest.
+/// oscillator() requests the oscillator from q = 1 at rest.
 Request oscillator(std::string_view scheme, double end, double step = null) {
   Request request = at(of("harmonic_oscillator", {scheme}, {}), {{"q", 1}, {"p", 0}});
   if (!std::isnan(step)) runs::set(request, "step", step);
@@ -44,7 +44,7 @@ Request watching(Request request, const std::vector<Watched>& all) {
   request.watched = reader.made();
   return request;
 }
-/// When each of what is watched vanishes.
+/// times() returns, for each watched expression, the times of its zeros.
 std::vector<std::vector<double>> times(const Request& request, const runs::Result& run) {
   std::vector<std::vector<double>> all(request.events.size());
   for (const Report& event : run.outcome.events) {
@@ -71,7 +71,7 @@ std::vector<std::string_view> fitting() {
   return all;
 }
 
-// Of the time alone: when they vanish is known to the last digits, whatever the scheme and its steps.
+// The times of zeros of functions of time alone are known to the last digits, whatever the scheme and its steps.
 TEST(EventFamilies, WavesOfTimeAreFollowedWhateverTheStep) {
   for (const std::string_view scheme : fitting())
     for (const double rate : {5.0, 50.0, 700.0}) {
@@ -85,7 +85,7 @@ TEST(EventFamilies, WavesOfTimeAreFollowedWhateverTheStep) {
   EXPECT_EQ(zeros(oscillator("runge_kutta_4", 40, 1), "sin(5*t)").size(), 63U);
 }
 
-// sqrt(q) comes back from where it is no number beyond its zero's other side.
+// Between two zeros of such an expression lies an interval where it is undefined.
 TEST(EventFamilies, ZerosBesideAnUndefinedStretchAreFound) {
   for (const std::string_view scheme : fitting())
     for (const auto& [expression, level] : {std::pair<std::string, double>{"sqrt(q)-0.5", 0.25},
@@ -139,7 +139,7 @@ TEST(EventFamilies, TheFirstOfManyWithinAStepEndsTheRun) {
   }
 }
 
-// What no effort resolves is told.
+// Where the search cannot resolve the zeros there is a warning.
 TEST(EventFamilies, WhatStaysUnresolvedIsWarnedOf) {
   for (const std::string_view scheme : fitting())
     for (const char* expression : {"sin(1e9*t)", "sin(1/q)", "exp(-1e34*(q-0.3)^2)-0.5"})
@@ -175,7 +175,7 @@ class Families {
   }
 
  private:
-  double number(double low, double high) {  // of few digits: a text reads back as it
+  double number(double low, double high) {  // few digits, so that the text gives the same number
     const double u = static_cast<double>(random_()) / 4294967296.0;
     return std::round((low + u * (high - low)) * 4096) / 4096;
   }
@@ -248,7 +248,7 @@ class Families {
   std::mt19937 random_;
 };
 
-/// Neighbours among states of the run between which the formula passes through zero.
+/// Passage is an interval between neighbouring states of the run in which the formula passes through zero.
 struct Passage {
   double from, to;
   bool rises;
@@ -266,7 +266,7 @@ std::vector<Passage> passages(const std::vector<std::vector<double>>& rows, cons
   return all;
 }
 
-// Against what states of the run itself say, which lie 1/10,000 apart: each passage has its event, in either direction.
+// Compared with states of the run itself at distances of 1/10,000: each passage has its event, in either direction.
 TEST(EventFamilies, OfRandomExpressionsNoneIsMissingWithoutAWarning) {
   constexpr double end = 20;
   int expressions = 0, unresolved = 0;
@@ -295,7 +295,7 @@ TEST(EventFamilies, OfRandomExpressionsNoneIsMissingWithoutAWarning) {
       std::ranges::sort(both);
       EXPECT_EQ(both, by_direction[0]) << scheme << ": " << formula.text;
       const auto expected = passages(rows, formula);
-      // Two zeros between neighbours are no passage: there may be more events, and always by two.
+      // Two zeros between neighbours are not seen as a passage: there may be more events, but only in pairs.
       EXPECT_GE(by_direction[0].size(), expected.size()) << scheme << ": " << formula.text;
       for (const auto& [from, to, rises] : expected) {
         const auto& of_direction = by_direction[rises ? 1 : 2];

@@ -1,5 +1,5 @@
 // Every pair of problem and scheme with every choice the scheme offers (compositions, splittings, numbers of stages):
-// whatever it is asked, a run ends in a status and what it gives is finite.
+// every run ends in a status, and its numbers are finite.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,8 +12,8 @@ namespace {
 using namespace least;
 using namespace asking;
 
-/// The request as it is, then with every other value of each choice, whole number and flag of its scheme, and with null
-/// where that may stand; without what the scheme itself objects to.
+/// for_each_choice() calls f for the request as it is, then with every other value of each choice, whole number and
+/// flag of its scheme, and with null where that is allowed; it leaves out what the scheme itself objects to.
 template <class F>
 void for_each_choice(const Request& request, F&& f) {
   f(request);
@@ -35,8 +35,8 @@ void for_each_choice(const Request& request, F&& f) {
       if (x != request.settings[i]) attempt(i, x);
   }
 }
-/// Around the defaults, with a threshold that the start of an orbit exceeds, and around the presets of schemes that set
-/// their own clock.
+/// for_each_run() calls f for these choices with the defaults, with a threshold below the kinetic energy of an orbit's
+/// start, and with the presets of schemes that choose their own steps.
 template <class F>
 void for_each_run(F&& f) {
   for (const ProblemCard& problem : runs::problem_cards())
@@ -54,7 +54,7 @@ void for_each_run(F&& f) {
       }
     }
 }
-/// With κ = −E₀ steps go by the potential alone, which has to be negative: the choice is made for Kepler orbits.
+/// With κ = −E₀ the pace of the steps depends on the potential alone, which has to be negative, as on Kepler orbits.
 bool needs_negative_potential(const Request& request) {
   return scheme_of(request).id == "time_transformed" && std::isnan(request.settings[1]);
 }
@@ -87,7 +87,7 @@ TEST(EveryChoice, AnswersEverythingThatCanBeAskedOfIt) {
     EXPECT_EQ(result.outcome.diagnostics.size(), request.diagnostics.size()) << described(request);
     for (std::size_t i = 0; i < request.diagnostics.size(); ++i)
       EXPECT_EQ(result.outcome.diagnostics[i].key, problem_of(request).diagnostics[request.diagnostics[i]].name);
-    // What was looked at on the way changed nothing.
+    // The diagnostics and columns did not change the run.
     Request blind = request;
     blind.diagnostics.clear();
     const auto same = runs::go(steps(blind, 50));
@@ -127,8 +127,8 @@ TEST(EveryChoice, EndsForStepsOfAnyLength) {
   });
 }
 
-// Every pair meets every extreme value with its defaults; of the further choices, of which there are ten to a pair,
-// each takes every third of them, in turn.
+// Every pair takes every extreme value with its defaults; of the further choices, about ten a pair, each takes every
+// third value, in turn.
 TEST(EveryChoice, EndsForEveryStartAndParameter) {
   const runs::TurnedClock clock(1e-3);
   std::string pair;

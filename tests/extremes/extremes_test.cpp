@@ -1,5 +1,5 @@
-// What happens at the extremes: always a status, never a hang, never a number that is not finite; and beside each
-// extreme a benign twin that completes, so that a test cannot pass by refusing everything.
+// The extremes of all settings and starts: always a status, never a hang, never a number that is not finite; and beside
+// each extreme a benign twin that completes, so that a test cannot pass by refusing everything.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,7 +45,7 @@ TEST(Step, ZeroIsTheIdentityAndEnds) {
     EXPECT_EQ(still.outcome.stop.reason, ReturnCode::completed) << problem.id << ' ' << scheme.id;
     EXPECT_EQ(still.outcome.final, start) << problem.id << ' ' << scheme.id;
 
-    request.until_steps = false;  // never gets there
+    request.until_steps = false;  // the run never reaches its end
     auto stuck = go(request);
     runs::drop_unknown(stuck.outcome.final);
     EXPECT_EQ(stuck.outcome.stop.reason, ReturnCode::step_limit) << problem.id << ' ' << scheme.id;
@@ -68,8 +68,8 @@ TEST(Step, HugeEndsInAStatus) {
       request.limits.seconds = 0.005;
       request = everything(request, h == 1e3);
       const auto result = go(request);
-      // An implicit step may have a solution however long it is (the midpoint rule turns by almost π), and so has a
-      // rotation.
+      // An implicit step may have a solution however long it is (the midpoint rule rotates by almost π), and so has an
+      // exact rotation.
       EXPECT_TRUE(h <= 1e10 || scheme.implicit || problem.id == "generic_oscillator" ||
                   result.outcome.stop.reason != ReturnCode::completed)
           << problem.id << ' ' << scheme.id;
@@ -87,7 +87,7 @@ TEST(Step, TinyIsStoppedByItsBudget) {
   EXPECT_EQ(reason(request), ReturnCode::completed);
 }
 
-// Leapfrog on the harmonic oscillator: stable iff ωh < 2; stopped only beyond; warned from half of it on.
+// Leapfrog on the harmonic oscillator is stable iff ωh < 2: the run stops only beyond, and warns from half of that on.
 TEST(StabilityBound, OfLeapfrogOnTheOscillator) {
   const auto at = [](double h) {
     Request request = with_step("harmonic_oscillator", "leapfrog", h);
@@ -128,7 +128,7 @@ TEST(StabilityBound, IsTheSchemesOwn) {
   EXPECT_EQ(at("galerkin_4", 2.8), ReturnCode::completed);  // 2√2
   EXPECT_EQ(at("galerkin_4", 2.9), ReturnCode::unstable_step);
   EXPECT_EQ(at("variational_midpoint", 50), ReturnCode::completed);  // none
-  EXPECT_EQ(at("explicit_euler", 0.1), ReturnCode::completed);       // grows at every step, and is the control for that
+  EXPECT_EQ(at("explicit_euler", 0.1), ReturnCode::completed);       // a control: it grows at every step
 }
 
 TEST(StabilityBound, OfAFrequencyThatGrowsOnTheWay) {  // free fall towards the centre passes it in between
@@ -153,7 +153,7 @@ TEST(Parameters, AtTheEndsOfTheirRanges) {
         runs::scene(request).parameters[i] = value;
         request.limits.steps = 300;
         request.limits.seconds = 0.01;
-        go(request);  // without error: the reference run of an impossible scene only costs time
+        go(request);  // without `error`: the reference of an impossible scene only costs time
       }
   });
   Request twin = runs::defaults("harmonic_oscillator", "leapfrog");
@@ -170,7 +170,7 @@ TEST(Start, Extreme) {
         request.limits.steps = 300;
         const runs::TurnedClock clock(1e-5);
         go(request);
-        // What is searched for at an end, as the time of a singularity, costs no more than a run does.
+        // The search for the cause of an end, such as the time of a singularity, costs no more than a run.
         EXPECT_LT(clock.looks(), 2000) << problem.id << ' ' << scheme.id << ' ' << i << ' ' << value;
       }
   });
@@ -227,7 +227,7 @@ TEST(Eccentricity, NearlyOne) {
     EXPECT_EQ(result.outcome.stop.reason, expected) << e;
     EXPECT_GT(result.rows.size(), 1000U) << "what was computed before is kept";
   }
-  // With the step that resolves its periapsis, ω = 1e6 there, the extreme orbit passes it.
+  // A step that resolves the periapsis, where ω = 1e6, passes it.
   Request request = with_step("kepler", "leapfrog", 2e-8);
   runs::scene(request).initial = {0, -1e-4, std::sqrt(1.9999 / 1e-4), 0};
   request.end = 2e-4;
@@ -250,7 +250,8 @@ TEST(Solver, FailsByNameAndKeepsWhatItHas) {
   }
 }
 
-// A force that varies with q is not known better than q itself, however small the velocity: libration far from q = 0.
+// A force that depends on q is not known more accurately than q itself, however small the velocity: libration far from
+// q = 0.
 TEST(Solver, SucceedsFarFromTheOrigin) {
   for (const std::string_view scheme : {"variational_midpoint", "galerkin_4"})
     for (const double turns : {0.0, 10.0, 1e3, 1e6})
@@ -291,7 +292,7 @@ TEST(Growth, OfExplicitEulerIsStoppedWhereEnergiesOverflow) {
   EXPECT_EQ(reason(request), ReturnCode::completed);
 }
 
-// The last good state of a block that was taken back is the state that smaller blocks reach.
+// Where a block of steps is undone, the last good state is the one that single steps reach.
 TEST(TakenBack, BlocksEndWhereSingleStepsEnd) {
   Request request = with_step("henon_heiles", "leapfrog", 0.001);
   runs::scene(request).initial = {0, 1.2, 0, 0.5};

@@ -1,5 +1,5 @@
-// Problems that are not mechanical at their extremes: relaxation, negative substeps, a heat bath at zero, a thermostat
-// too narrow for its step.
+// Problems that are not mechanical at their extremes: relaxation, negative substeps, a heat bath at temperature zero, a
+// thermostat too narrow for its step.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ TEST(Slope, AtItsPoleIsUnknownAndNeverInfinite) {
   for (const std::size_t index : runs::problem_card("van_der_pol").schemes) {
     const std::string_view scheme = schemes()[index].id;
     Request request = columns(of("van_der_pol", {scheme, {}}, {}), {"t", "slope"});
-    const auto result = go(request);  // that nothing is infinite is seen there
+    const auto result = go(request);  // go() checks that nothing is infinite
     EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << scheme;
     EXPECT_TRUE(std::isnan(result.rows[0][1])) << scheme << ": at rest at the turning point x = 2";
     for (std::size_t i = 1; i < result.rows.size(); ++i) EXPECT_TRUE(std::isfinite(result.rows[i][1])) << scheme;
@@ -77,7 +77,7 @@ TEST(Stiffness, IsWarnedOfAboveAHalf) {
 
 // ── gradient flow ───────────────────────────────────────────────────────────────────────────────────────────────────
 
-// Against the time the double well throws a point to infinity: a negative stage that reaches so far ends the run.
+// Backward in time the double well throws a point to infinity: a negative stage that reaches so far ends the run.
 TEST(NegativeStage, OnAGradientFlowEndsInAStatusOrIsHarmless) {
   for (const std::string_view composition : {"yoshida_4", "suzuki_4", "yoshida_6", "kahan_li_6", "yoshida_8",
                                              "suzuki_umeno_8", "kahan_li_8", "sofroniou_spaletta_10"})
@@ -94,7 +94,7 @@ TEST(NegativeStage, OnAGradientFlowEndsInAStatusOrIsHarmless) {
           EXPECT_EQ(result.outcome.stop.reason, ReturnCode::not_finite) << what;
         }
       }
-  // Without negative stages the fall from far away is exact in the well.
+  // Without negative stages the fall from far away into the well is exact.
   Request request = at(of("gradient_flow", {"contact_splitting", {}}, {{"c", 0}}), {{"x", 1e70}});
   EXPECT_NEAR(value(request, go(request).rows[1], "x"), 1 / std::sqrt(1 - std::exp(-0.1)), 1e-12);
   EXPECT_EQ(reason(at(of("gradient_flow", {"runge_kutta_4", {}}, {}), {{"x", 1e70}})), ReturnCode::not_finite);

@@ -1,4 +1,4 @@
-// Forces narrower than a step: whatever sets its own steps sees them, and so does what runs are judged by.
+// Forces narrower than a step: schemes that choose their own steps notice them, and so do references and control runs.
 #include "tests/support/narrow_forces.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ TEST_P(NarrowForces, AreSeenByTheTaylorSeries) {
   EXPECT_EQ(count.alarmed, 0);
 }
 
-// At their own tolerance, which is that of the error in a step.
+// Each pair at its default tolerance, which is that of the error of a step.
 TEST_P(NarrowForces, AreSeenByAdaptivePairs) {
   const std::vector<Case> cases = narrow::draw(GetParam(), 16, 12);
   for (const std::string_view scheme : {"dormand_prince_5", "fehlberg_78", "bulirsch_stoer"}) {
@@ -31,7 +31,7 @@ TEST_P(NarrowForces, AreSeenByAdaptivePairs) {
   }
 }
 
-// A run that is right is not accused by a reference, and one that is wrong is.
+// A reference accuses no run that is right, and accuses those that are wrong.
 TEST_P(NarrowForces, AreSeenByReferencesAndControls) {
   int coarse_and_wrong = 0;
   for (const Case& one : narrow::draw(GetParam(), 20, 13)) {
@@ -50,7 +50,7 @@ TEST_P(NarrowForces, AreSeenByReferencesAndControls) {
     const double error = narrow::error_of(one, result.outcome);
     const double told = runs::number(result.outcome.diagnostics, "error/final");
     if (!(error > 0.3)) continue;
-    EXPECT_GT(told, 0.003) << one.text();  // against the largest component, which may be the other one
+    EXPECT_GT(told, 0.003) << one.text();  // relative to the largest component, which may be the other one
     if (!(told > 0.3)) continue;
     ++coarse_and_wrong;
     EXPECT_FALSE(result.outcome.warnings.empty()) << one.text();
@@ -61,24 +61,24 @@ TEST_P(NarrowForces, AreSeenByReferencesAndControls) {
 INSTANTIATE_TEST_SUITE_P(Families, NarrowForces, testing::ValuesIn(narrow::families),
                          [](const auto& family) { return "Family" + std::to_string(family.index); });
 
-// Where cosh overflows, 1/cosh² is nothing: neither a reason to refuse a scene nor to stop a series.
+// Where cosh overflows, 1/cosh² is 0: this is no reason to refuse a scene or to stop a series.
 TEST(NarrowForce, OfAHyperbolicSecantNeedsNoOverflow) {
   for (const double k : {10.0, 100.0, 1000.0})
     for (const char* form : {"0.25/cosh(k*(x-5))^2", "0.25*cosh(k*(x-5))^(-2)", "0.25/(cosh(k*(x-5))*cosh(k*(x-5)))"}) {
       Case one{narrow::of(narrow::Definition::Kind::potential, {"x"}, {{"k", k}}, form), {0, 1}, 8, 0};
       const auto result = runs::go(narrow::ask(one, "taylor"));
       EXPECT_EQ(result.outcome.stop.reason, ReturnCode::completed) << form << result.outcome.stop.detail;
-      // Over a hill of half its energy: late by ∫ (1/v − 1) dx = ln 2/k.
+      // A hill of half the energy delays the motion by ∫ (1/v − 1) dx = ln 2/k.
       EXPECT_NEAR(result.outcome.final[0], 8 - std::log(2.0) / k, 1e-9) << form << " k " << k;
     }
-  // A divisor that overflows in a flow: friction where v is near 0.3 only.
+  // A divisor that overflows in a flow: there is friction only where v is near 0.3.
   const Case flow{narrow::flow({"x", "v"}, {}, {{"x", "v"}, {"v", "-x-v/cosh(800*(v-0.3))^2"}}), {3, 0}, 10, 0};
   const auto run = runs::go(narrow::ask(flow, "taylor"));
   EXPECT_EQ(run.outcome.stop.reason, ReturnCode::completed);
   EXPECT_LT(run.outcome.cost.steps, 1000);
 }
 
-// A product of what grows and of what decays keeps the digits of both.
+// The product of a growing and a decaying function keeps the digits of both.
 TEST(NarrowForce, OfASoftWallKeepsItsDigits) {
   const Case one{
       narrow::of(narrow::Definition::Kind::potential, {"x"}, {}, "2*log(1+exp(400*(x-5)))/400"), {0, 1}, 8, 0};
@@ -87,7 +87,8 @@ TEST(NarrowForce, OfASoftWallKeepsItsDigits) {
   EXPECT_NEAR(taylor.outcome.final[0], narrow::fine_end(one, "leapfrog", 4e-4), 1e-8);
 }
 
-// Where velocities have to be found, and where H is of no simpler form: a pulse that ends at its impulse.
+// Scenes whose velocities have to be solved for, or whose H has no simpler form: the final momentum is the impulse of a
+// pulse.
 TEST(NarrowForce, IsSeenByReferencesOfScenesOfNoSimpleForm) {
   const std::string pulse = "20*x*exp(-3000*(t-5.3)^2)";
   const double impulse = 20 * std::sqrt(std::acos(-1.0) / 3000), speed = impulse / std::sqrt(1 + impulse * impulse);
@@ -114,7 +115,7 @@ TEST(NarrowForce, IsSeenByReferencesOfScenesOfNoSimpleForm) {
   }
 }
 
-// The polynomials of x' = −√x go through its end at t = 2 and up again, as if nothing were there.
+// The polynomial solution of x' = −√x goes through its end at t = 2 and up again, as if nothing were there.
 TEST(NarrowForce, OfARootEndsWhereTheMotionDoes) {
   for (const char* rate : {"-sqrt(x)", "-x^0.25", "-2*sqrt(x)"}) {
     const Case one{narrow::flow({"x"}, {}, {{"x", rate}}), {1, 0}, 5, 0};
@@ -126,7 +127,7 @@ TEST(NarrowForce, OfARootEndsWhereTheMotionDoes) {
   }
 }
 
-// What rounding makes of a late time is no defect of a series.
+// Rounding of a late time is no error of a series.
 TEST(LateTimes, TakeAsManyStepsAsEarlyOnes) {
   for (const double late : {0.0, 1e9, 1e10, 1e11, 1e12}) {
     Request request = runs::defaults("driven_oscillator", "taylor");
@@ -138,7 +139,7 @@ TEST(LateTimes, TakeAsManyStepsAsEarlyOnes) {
   }
 }
 
-// Steps end at times that are numbers: next to a pole what rounding takes from them is a part of the distance to it.
+// Ends of steps are rounded to doubles: next to a pole this rounding is a part of the distance to the pole.
 TEST(LateTimes, NextToAPoleAreAsGoodAsAnywhere) {
   Case one{narrow::flow({"y"}, {}, {{"y", "1/(t-1)"}}), {0, 0}, 2, 34.4342154766830557};
   one.start = {};

@@ -77,7 +77,7 @@ void add_small_systems(std::vector<Published>& all) {
                  9});
 }
 
-/// ẏ = A y with a matrix of three diagonals 1, −2, 1, from (1, 0, …).
+/// diffusion() is ẏ = A y from (1, 0, …), with the tridiagonal matrix A of diagonals 1, −2, 1.
 text::TypedScene diffusion(int n) {
   const std::string count = std::to_string(n);
   return typed(flow({"y[" + count + "]"}, {}, {{"y[i]", "at(i-1)-2*y[i]+at(i+1)"}}),
@@ -130,7 +130,7 @@ void add_moderate_systems(std::vector<Published>& all) {
                   1.025804501391024e-02, 8.982017581934167e-03},
                  14,
                  10});
-  // Five outer planets about the Sun, in its own frame.
+  // Five outer planets relative to the Sun.
   text::TypedScene planets = typed(
       flow(
           {"x[5]", "y[5]", "z[5]", "u[5]", "v[5]", "w[5]"}, {{"k", 2.95912208286}, {"M", 1.00000597682}},
@@ -295,7 +295,7 @@ std::vector<Published> all_published() {
 
 namespace {
 
-/// By taylor to the end, as closely as it goes.
+/// request_of() requests a run by `taylor` to the end, as accurately as it can.
 Request request_of(const text::TypedScene& scene, const std::string& name, const std::vector<double>& start) {
   auto made = custom_mechanics(scene);
   if (const auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&made))
@@ -329,7 +329,7 @@ Agreement agreement_of(const Published& test, bool automatic) {
     request.settings = advice.choice->settings;
   }
   found.scheme = schemes()[request.scheme].id;
-  request.limits.seconds = 100;  // how busy the machine is, is no matter of digits
+  request.limits.seconds = 100;  // so that digits do not depend on a busy machine
   const auto outcome = runs::go(request).outcome;
   found.seconds = outcome.cost.seconds;
   if (outcome.stop.reason != ReturnCode::completed) return found;

@@ -24,29 +24,30 @@ struct Published {
   least::text::TypedScene scene;
   std::vector<double> start;  ///< variables in the order of the scene, then momenta
   double end = 20;
-  std::vector<double> known;   ///< of these the first so many
+  std::vector<double> known;   ///< the first of these, as many as are known
   int digits, digits_of_auto;  ///< in which our runs agree, relative to max(1, the largest of them)
 };
 
-/// All of them, in the order of the table.
+/// all_published() returns all tests, in the order of the table.
 std::vector<Published> all_published();
-/// Those of many bodies and of chaos, the last of these.
+/// add_motions() adds the tests of many bodies and of chaos, the latter last.
 void add_motions(std::vector<Published>& all);
 
-/// A run of one, by taylor at the tolerance 1e-15 or by auto at 1e-9.
+/// Agreement is the result of a run of a test, by `taylor` at the tolerance 1e-15 or by `auto` at 1e-9.
 struct Agreement {
   double digits = 0, seconds = 0;
   std::string scheme;
 };
 Agreement agreement_of(const Published& test, bool automatic);
-/// Digits in which the library's reference agrees; nothing where by its own word it is not certain to 1e-12.
+/// agreement_of_reference() returns the digits in which the library's reference agrees; nothing where the reference
+/// itself does not claim 1e-12.
 std::optional<double> agreement_of_reference(const Published& test);
 
-/// The energy of the outer solar system over 200,000 days, by a scheme with a step of so many days.
+/// EnergyRow asks for the energy of the outer solar system over 200,000 days, by a scheme with a step of `step` days.
 struct EnergyRow {
   std::string scheme, composition;  ///< or splitting
   double step;
-  double most;  ///< the largest error of the energy, relative to the energy, is less
+  double most;  ///< an upper bound of the largest relative error of the energy
 };
 std::vector<EnergyRow> energy_rows();
 struct EnergyError {

@@ -53,7 +53,7 @@ void add_pythagorean_bodies(std::vector<Published>& all) {
                  1});
 }
 
-/// Differences grow by e^(0.9 t): those of round-off are as large as the motion at t = 40.
+/// Differences grow by e^(0.9 t): at t = 40 round-off is as large as the motion.
 void add_lorenz(std::vector<Published>& all) {
   struct Row {
     double end;

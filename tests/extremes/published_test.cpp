@@ -1,4 +1,4 @@
-// The field's published tests: the digits that our runs are said to agree in.
+// Published tests of the field: our runs agree in at least the digits that the table says.
 #include "tests/extremes/published.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ TEST_P(PublishedTests, AgreeInTheDigitsThatAreSaid) {
 #endif
   try {
     EXPECT_GE(torture::agreement_of(test, false).digits, test.digits);
-  } catch (const std::runtime_error& left_out) {  // forms, by builds of a few problems
+  } catch (const std::runtime_error& left_out) {  // builds with few problems have not all forms
     GTEST_SKIP() << left_out.what();
   }
   const auto chosen = torture::agreement_of(test, true);
@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(, PublishedTests, testing::ValuesIn(torture::all_publis
 
 TEST(PublishedTable, ListsThemAll) { EXPECT_EQ(torture::all_published().size(), 34U); }
 
-// Ends that were computed elsewhere, by the references of this library.
+// Ends that were computed elsewhere, compared with the references of this library.
 TEST(PublishedMotions, AreThoseOfTheReferences) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "takes minutes in such a build";
@@ -44,7 +44,7 @@ TEST(PublishedMotions, AreThoseOfTheReferences) {
       const auto digits = torture::agreement_of_reference(test);
       EXPECT_EQ(digits.has_value(), test.name != "Lorenz 50") << test.name << ": it takes more than 31 digits";
       if (digits) {
-        // The reference of a scene with masses has 1/m rounded to a double: Burrau's bodies make 8 digits of that.
+        // The reference of a scene with masses rounds 1/m to a double: for Burrau's bodies that leaves 8 digits.
         EXPECT_GE(*digits, test.name == "Burrau" ? 8 : 12) << test.name;
       }
     } catch (const std::runtime_error& left_out) {

@@ -1,4 +1,5 @@
-// Until when the digits of a chaotic run mean something is said, whatever was asked for; of regular motion nothing is.
+// Runs say until when the digits of a chaotic motion mean something, whatever was asked for; regular motions have no
+// such warning.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -17,7 +18,7 @@ Request controlled(Request request) {
   request.record.count = 0;
   return request;
 }
-/// The time that the warning names.
+/// named_time() returns the time that the warning `sensitive_end` names.
 double named_time(const runs::Result& result) {
   for (const Warning& warning : result.outcome.warnings)
     if (warning.code == "sensitive_end") {
@@ -33,8 +34,8 @@ double apart(const std::vector<double>& a, const std::vector<double>& b) {
   return most;
 }
 
-// Hénon and Heiles at random between a sixth of the energy and all of it: two schemes that share nothing, each at the
-// accuracy that it can reach, tell whether the end is noise, and until when they agree.
+// Random Hénon–Heiles orbits between a sixth of the escape energy and all of it: two unrelated schemes, each at the
+// best accuracy it can reach, show whether the end is noise, and until when they agree.
 TEST(SensitiveEnd, IsSaidWhereTwoSchemesPartAndNowhereElse) {
   std::mt19937_64 random(41);
   std::uniform_real_distribution<double> any(0, 1);
@@ -68,7 +69,7 @@ TEST(SensitiveEnd, IsSaidWhereTwoSchemesPartAndNowhereElse) {
   EXPECT_GE(right_time, noise - noise / 10);
 }
 
-// By schemes of fewer digits sooner.
+// For schemes of fewer digits the time is earlier.
 TEST(SensitiveEnd, DependsOnTheSchemesOwnError) {
   const auto chaotic = [](const Scheme& scheme) {
     return go(until(controlled(at(of("henon_heiles", scheme, {}), {{"x", 0}, {"y", -0.1}, {"px", 0.55}, {"py", 0.05}})),
@@ -88,7 +89,7 @@ TEST(SensitiveEnd, IsNotSaidOfRegularMotion) {
         << scheme;
     EXPECT_FALSE(warned(go(until(controlled(of("henon_heiles", {scheme}, {})), 2000)), "sensitive_end")) << scheme;
   }
-  // Steps that are too long are off by more than differences grow, and that is another thing to say.
+  // Steps that are too long have a larger error than the growth of differences explains: that is another warning.
   const auto coarse = go(until(controlled(of("henon_heiles", {"leapfrog", {{"step", 0.3}}}, {})), 1500));
   EXPECT_TRUE(warned(coarse, "large_error"));
   EXPECT_FALSE(warned(coarse, "sensitive_end"));

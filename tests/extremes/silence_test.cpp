@@ -1,4 +1,4 @@
-// A run that is worthless by its own evidence says so, and one that is not does not.
+// A run that is worthless by its own evidence warns, and one that is not does not.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,8 @@ std::string codes_of(const Request& request) {
 }
 // ── energy ──────────────────────────────────────────────────────────────────────────────────────────────────────────
 
-// Whatever the scheme and whatever was asked for: from the largest excursion, not from the last state.
+// The warning does not depend on the scheme or the request; it is from the largest energy error, not from the last
+// state.
 TEST(Silence, EnergyThatLeavesItsLevelIsSpokenOf) {
   int left = 0;
   for (const std::string_view problem : {"kepler", "henon_heiles", "pendulum", "double_pendulum"})
@@ -45,7 +46,7 @@ TEST(Silence, EnergyThatLeavesItsLevelIsSpokenOf) {
   EXPECT_GT(left, 5) << "nothing was looked at";
 }
 
-// What left the level and came back was worthless in between.
+// A run whose energy left its level and came back was worthless in between.
 TEST(Silence, TheLargestExcursionCounts) {
   const Request beat = steps(of("harmonic_oscillator", {"leapfrog", {{"step", 1.99}}}, {}), 2000);
   int back = 0;

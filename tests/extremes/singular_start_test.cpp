@@ -24,7 +24,8 @@ template <class F>
 void for_each_scheme(F&& f) {
   for (const std::size_t index : card().schemes) f(schemes()[index]);
 }
-/// The request through every composition of its scheme and every splitting with an order of its own, or as it is.
+/// for_each_composition() calls f for the request with every composition of its scheme and every splitting that has an
+/// order of its own, or as it is.
 template <class F>
 void for_each_composition(const Request& request, F&& f) {
   for (const auto& parameter : scheme_of(request).parameters)
@@ -54,7 +55,7 @@ TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
         ASSERT_TRUE(end.singular_at.has_value()) << what;
         const double tolerance = first_order(scheme)   ? 0.04
                                  : is_adaptive(scheme) ? 1e-6
-                                 : scheme.own_clock    ? 3e-3  // whose steps are longer where little moves
+                                 : scheme.own_clock    ? 3e-3  // longer steps where little moves
                                                        : 1e-3;
         EXPECT_NEAR(*end.singular_at, zero, tolerance) << what;
         EXPECT_LT(end.t, *end.singular_at) << what;
@@ -66,7 +67,7 @@ TEST(AfterZero, StopEndsAtTheSurfaceAndSaysWhere) {
         const auto& zeros = runs::list(result.outcome.diagnostics, "zeros");
         ASSERT_EQ(zeros.size(), 1U) << what;
         EXPECT_EQ(zeros[0], *end.singular_at) << what;
-        // That zeros are asked for changes nothing.
+        // Asking for zeros does not change the run.
         EXPECT_EQ(go(plain).outcome.stop.singular_at, end.singular_at) << what;
       });
     });
@@ -97,7 +98,7 @@ TEST(AfterZero, EveryChoiceEndsInAStatusForEveryIndex) {
   });
 }
 
-// n = 2, the plain power: past its zero q falls ever faster, to −∞ at t ≈ 12.431 (METHODS, section 1).
+// For n = 2 with the plain power q falls ever faster past its zero, to −∞ at t ≈ 12.431 (METHODS, section 1).
 TEST(AfterZero, ThePlainSquareRunsToInfinity) {
   for (const std::string_view scheme : {"contact_splitting", "contact_leapfrog", "runge_kutta_4"}) {
     Request request = star(scheme, 2, go_on);
@@ -109,7 +110,7 @@ TEST(AfterZero, ThePlainSquareRunsToInfinity) {
   }
 }
 
-// What is recorded up to the surface is part of the run: it ends there, whatever is recorded.
+// All rows lie within the star: the run ends at the surface, whatever is recorded.
 TEST(AfterZero, NoSampleLiesBehindTheEnd) {
   for_each_scheme([](const SchemeCard& scheme) {
     Request request = star(scheme.id, 3);
@@ -139,8 +140,8 @@ TEST(AfterZero, IsReachedWithinTheLastShorterStepToo) {
   EXPECT_NEAR(result.outcome.t, pi, 1e-4);
 }
 
-// One step of the whole span, outside where samples lie and inside at its end: it was taken, taken back and taken again
-// for ever, past every budget.
+// One step over the whole span, which is outside the star where samples lie and inside at its end. Without care such a
+// step is taken, undone and taken again for ever, past every budget.
 TEST(AfterZero, IsFoundOnTheWayOfAStepThatEndsInside) {
   for (const std::string_view composition : {"kahan_li_6", "kahan_li_8", "sofroniou_spaletta_10"}) {
     Request request = set(choose(star("contact_splitting", 3), {{"composition", composition}}), {{"step", 10}});
@@ -163,7 +164,7 @@ TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
         request.end = 1;
         const auto result = go(request);
         const std::string what = std::string(scheme.id) + ' ' + std::to_string(h);
-        // A stage back in time may meet, or leap over, the pole of the variational schemes.
+        // A stage backward in time may meet, or jump over, the pole of the variational schemes.
         const bool variational = scheme.id == "contact_leapfrog" || scheme.id == "contact_variational_midpoint";
         if (h > 0.05 && variational && request.settings[1] > 0) continue;
         if (h > 0.05 && scheme.own_clock && !is_adaptive(scheme) &&
@@ -189,7 +190,7 @@ TEST(SingularStart, OfEverySchemeFollowsTheRegularSolution) {
   });
 }
 
-// Through t = 0 they would be of order 2, and off by more.
+// Splittings through t = 0 would be of order 2, and have larger errors.
 TEST(SingularStart, LeavesSplittingsOfHighOrderTheirOrder) {
   for (const char* splitting : {"aba_864", "aba_1064"}) {
     Request request = choose(star("contact_splitting", 5), {{"splitting", splitting}});
@@ -201,7 +202,7 @@ TEST(SingularStart, LeavesSplittingsOfHighOrderTheirOrder) {
   }
 }
 
-// Terms are left out where they are nothing, and not where one happens to vanish, as the third for n = 5/8.
+// The series ends where all further terms vanish, not where a single one happens to, as the third does for n = 5/8.
 TEST(SingularStart, SeriesOfALoneStateHasAllItsDigits) {
   for (const double n : {0.0, 0.625, 1.0, 1.5, 3.0, 5.0, 20.0})
     for (const double t : {1e-3, 0.05, 0.1}) {

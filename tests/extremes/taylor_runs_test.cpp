@@ -1,4 +1,4 @@
-// Runs by Taylor series on every problem: against true states over six decades and more of the tolerance.
+// Runs by Taylor series on every problem, against true states for tolerances over more than six decades.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 using namespace least;
 using namespace asking;
 
-// What a step may be off by grows along the motion as differences of the start do.
+// The allowed error of a step grows along the motion as differences of the start do.
 TEST(TaylorRuns, AreWithinTheToleranceOfTrueStates) {
   for (const ProblemCard& problem : runs::problem_cards()) {
     Request plain = of(problem.id, {"taylor"}, {});
@@ -33,8 +33,8 @@ TEST(TaylorRuns, AreWithinTheToleranceOfTrueStates) {
   }
 }
 
-// An action is of twice the frequency of its motion, and series that are just good enough for this were off by
-// millions.
+// The action has twice the frequency of the motion, so that a series that is just accurate enough for the motion is not
+// for the action: its error was millions of times too large.
 TEST(TaylorRuns, CarryWhatTheMotionDoesNotNeedAsAccurately) {
   int examined = 0;
   for (const ProblemCard& problem : runs::problem_cards()) {
@@ -62,7 +62,8 @@ TEST(TaylorRuns, CarryWhatTheMotionDoesNotNeedAsAccurately) {
   EXPECT_GT(examined, 0);
 }
 
-// From where a motion is symmetric in time half of the coefficients vanish, of low orders the newest that there are.
+// From a time about which the motion is symmetric half of the coefficients vanish; at low orders these are the last
+// ones.
 TEST(TaylorRuns, BeginWhereTheNewestCoefficientsVanish) {
   const std::vector<Request> symmetric{
       until(at(of("henon_heiles", {"taylor"}, {}), {{"x", 0}, {"y", 0.5}, {"px", 0}, {"py", 0}}), 3),
@@ -81,7 +82,7 @@ TEST(TaylorRuns, BeginWhereTheNewestCoefficientsVanish) {
   }
 }
 
-// Nothing is computed beyond the end: the last step is as long as is left, and is the last that is recorded.
+// Nothing is computed beyond the end: the last step is as long as the rest of the span, and is the last row.
 TEST(TaylorRuns, EndWithTheirLastStep) {
   for (const char* problem : {"kepler", "damped_oscillator", "van_der_pol"}) {
     const Request plain = until(of(problem, {"taylor"}, {}), 7.3);
@@ -96,7 +97,7 @@ TEST(TaylorRuns, EndWithTheirLastStep) {
   }
 }
 
-// Over ten thousand periods the energy drifts with the tolerance, whatever the sums keep.
+// Over a thousand periods the energy drifts as the tolerance allows, although sums are compensated.
 TEST(TaylorRuns, KeepNoStructureButTheirTolerance) {
   Request orbit = until(of("kepler", {"taylor"}, {}), 2e3 * pi);
   orbit = at(ask(orbit, {"energy"}), {{"x", 0.4}, {"y", 0}, {"px", 0}, {"py", 2}});
@@ -125,8 +126,8 @@ TEST(TaylorRuns, GoOnWhereTheMotionIsSlowInLongSteps) {
   EXPECT_LT(result.outcome.cost.steps, 3000);
 }
 
-// Steps of 3e5 from a start of no size, in each of which the slope has as many poles: what is carried needs a series
-// for each of them, and the run ends in its time all the same.
+// Steps of length 3e5 from an almost vanishing start, each with as many poles of the slope. Carrying the slope needs a
+// series for each pole, and the run ends in its time all the same.
 TEST(TaylorRuns, LookAtTheClockWhileTheyCarry) {
   const runs::TurnedClock clock(1e-3);
   Request request = set(of("van_der_pol", {"taylor"}, {}), {{"order", 5}});

@@ -1,5 +1,5 @@
-// The same scene in other units is the same run: as many steps by default, the same error. Lengths, times and masses
-// are those of a planet, of an electron and of a galaxy in SI units, and random ones over forty decades.
+// The same scene in other units is the same run: as many steps by default, the same error. The units of length, time
+// and mass are natural for a planet, an electron and a galaxy, expressed in SI; and random ones over forty decades.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -14,14 +14,14 @@ namespace {
 using namespace least;
 using namespace asking;
 
-/// How many of the scene's units there are in one of the natural ones.
+/// Units holds the natural units of length, time and mass in the units of the scene.
 struct Units {
   double length = 1, time = 1, mass = 1;
   double momentum() const { return mass * length / time; }
   double energy() const { return momentum() * length / time; }
 };
 
-/// A scene in these units: what its variables are measured in, and its span.
+/// Posed is a scene in such units, with the units of its variables, and its span.
 struct Posed {
   std::shared_ptr<const Scene> scene;
   std::vector<double> units;
@@ -80,7 +80,7 @@ Posed damped_text(const Units& u) {
               {{"x", 1.2 * u.length}}, {u.length, u.momentum()}, 20 * u.time);
 }
 
-/// Of a form that is solved at every stage for positions and momenta at once.
+/// A Hamiltonian of a form that is solved at every stage for positions and momenta at once.
 Posed quartic(const Units& u) {
   const double p = u.momentum();
   auto definition = texts::of(text::Definition::Kind::hamiltonian, {"q"}, {{"m", 1}, {"k", 1}, {"b", 1}},
@@ -98,7 +98,7 @@ Request request_of(const Posed& posed, std::size_t scheme) {
   request.record = {Record::Mode::every, 0, {}};
   return request;
 }
-/// The state at the end in natural units, of the variables that have any.
+/// natural_end() returns the final state in natural units, without hidden and optional variables.
 std::vector<double> natural_end(const Posed& posed, const Request& request, const Solution& solution) {
   std::vector<double> end;
   for (std::size_t i = 0; i < solution.final.size(); ++i) {
@@ -113,7 +113,7 @@ double distance_between(const std::vector<double>& a, const std::vector<double>&
   return most;
 }
 
-/// Far from natural ones in all that defaults follow.
+/// foreign_units() returns units far from the natural ones in every quantity on which defaults depend.
 std::vector<Units> foreign_units() {
   std::vector<Units> all{{1.5e11, 5e6, 2e30}, {5.3e-11, 2.4e-17, 9.1e-31}, {2e20, 1e15, 1e40}};
   const auto far = [](double unit) { return std::abs(std::log10(unit)) > 2.5; };
@@ -127,7 +127,7 @@ std::vector<Units> foreign_units() {
   return all;
 }
 
-/// What sets its steps by a tolerance has one that is absolute below 1: it is no matter of these.
+/// Schemes with a tolerance are not tested here: the tolerance is absolute for numbers below 1.
 bool by_tolerance(const SchemeCard& scheme) { return scheme.find("tolerance").has_value(); }
 
 void expect_the_same_in_all_units(Posed (*scene)(const Units&), Names choices = {}) {
@@ -143,7 +143,7 @@ void expect_the_same_in_all_units(Posed (*scene)(const Units&), Names choices = 
     const auto run = [&](const Posed& posed) {
       Request request = choose(request_of(posed, scheme), choices);
       if (card.id == "energy_momentum")
-        request.end *= 2.0 / 3;  // where the motion turns its steps are a matter of luck
+        request.end *= 2.0 / 3;  // where the motion turns back its steps depend on chance
       return std::pair(request, go(request).outcome);
     };
     const auto [asked, here] = run(natural);
@@ -179,7 +179,7 @@ TEST(UnitsOfAScene, TheGraphsLengthIsMeasuredInAll) {
   expect_the_same_in_all_units(kepler, {{"monitor", "arclength"}});
 }
 
-// The law of decay is held against the energy of the scene, however small a number that is.
+// The residual of the law of decay is relative to the energy of the scene, however small that is.
 TEST(UnitsOfAScene, TheResidualOfADecayIsTheSameInAll) {
   const auto residual = [](const Units& units) {
     const Posed posed = damped(units);
@@ -191,9 +191,8 @@ TEST(UnitsOfAScene, TheResidualOfADecayIsTheSameInAll) {
   for (const Units& units : foreign_units()) EXPECT_NEAR(residual(units), natural, 0.03 * natural) << units.length;
 }
 
-// A time that is long in the scene's units is no long step.
-// On a circle the radial momentum is nothing but rounding: what it would be on an orbit that is no circle does not
-// depend on how long the orbit is followed.
+// On a circular orbit the radial momentum is only rounding: the size it is compared with, that of an orbit that is no
+// circle, does not depend on how long the orbit is followed.
 TEST(UnitsOfAScene, WhatRestsHasTheSameSizeOverAnySpan) {
   const auto polar = texts::mechanics_of(
       texts::of(text::Definition::Kind::lagrangian, {"r", "phi"}, {}, "(vr^2 + r^2*vphi^2)/2 + 1/r"));
@@ -211,7 +210,7 @@ TEST(UnitsOfAScene, SeriesStepAsFarWhereTheUnitOfTimeIsShort) {
   for (Posed (*scene)(const Units&) : {kepler, oscillator}) {
     const auto steps = [&](const Units& units) { return go(request_of(scene(units), taylor)).outcome.cost.steps; };
     for (const Units& units : {Units{2e20, 1e15, 1}, Units{1e17, 1e12, 1}, Units{1.5e11, 5e6, 1}})
-      EXPECT_LE(steps(units), 6 * steps({})) << units.time;  // of lower order: the highest terms underflow
+      EXPECT_LE(steps(units), 6 * steps({})) << units.time;  // lower order, because the highest terms underflow
   }
 }
 
@@ -245,7 +244,7 @@ TEST(SuggestedSettings, DoNotChangeWithOrdinaryParametersAndStarts) {
   EXPECT_NEAR(step(set(oscillator, {{"stiffness", 1e-6}})), 0.1 * 1000, 1);
 }
 
-// By Kepler's third law, wherever on the orbit a run begins.
+// The step follows Kepler's third law, wherever on the orbit a run begins.
 TEST(SuggestedSettings, OfAnOrbitFollowItsPeriod) {
   const double mu = 1.327e20, a = 2e12, e = 0.6;
   const auto step = [&](double r) {
@@ -259,7 +258,7 @@ TEST(SuggestedSettings, OfAnOrbitFollowItsPeriod) {
   EXPECT_NEAR(step(a * (1 - e)), expected, 0.006 * expected);
 }
 
-// Where the force has no slope at the start the series of the motion still tells how long it takes.
+// Where the derivative of the force vanishes at the start, the Taylor series of the motion still shows its time scale.
 TEST(SuggestedSettings, OfAScenesSeriesAreFoundWhereItsForceHasNoSlope) {
   const auto mechanics = typed(texts::of(text::Definition::Kind::potential, {"q"}, {{"k", 1e-20}}, "k*sin(q)"));
   Scene scene{mechanics, {1e-20}, {}, 0};

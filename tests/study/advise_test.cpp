@@ -1,4 +1,4 @@
-// Which scheme to take: held against an exhaustive search.
+// Advice about the scheme to take, compared with an exhaustive search.
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -11,14 +11,14 @@ namespace {
 
 using namespace studies;
 
-/// How far apart the settings of an exhaustive search are. LEAST_EXHAUSTIVE=1 makes it a thorough one, which takes
-/// minutes.
+/// spacing() returns the factor between the settings of an exhaustive search. LEAST_EXHAUSTIVE=1 makes the search
+/// thorough, which takes minutes.
 double spacing() {
   static const bool thorough = std::getenv("LEAST_EXHAUSTIVE") != nullptr;
   return thorough ? 1.1 : 1.3;
 }
 
-/// The fewest force evaluations, `most` at most, with which any candidate is as accurate.
+/// exhaustive() returns the fewest force evaluations, `most` at most, with which any candidate reaches the accuracy.
 double exhaustive(const ErrorStudy& subject, const std::vector<SchemeConfig>& all, double accuracy, double most) {
   double fewest = most;
   for (const SchemeConfig& choice : all) {
@@ -55,7 +55,7 @@ void hold_against_all(std::string_view problem, std::initializer_list<double> ac
   }
 }
 
-// Accuracy of states far below 1: digits of theirs, not of 1, whatever norm errors are asked for in.
+// For states far below 1 the accuracy is relative to their size, not to 1, in either norm.
 TEST(Advice, IsOfTheDigitsOfSmallStates) {
   for (const Norm norm : {Norm::absolute, Norm::relative}) {
     Request request = scene("harmonic_oscillator", 20);
@@ -72,7 +72,7 @@ TEST(Advice, IsOfTheDigitsOfSmallStates) {
   }
 }
 
-// What it says of its choice is what the run says of itself, where the error peaks.
+// The error that the advice names is the one that the run measures, where the error peaks.
 TEST(Advice, EstimatesTheLargestErrorOfTheRun) {
   for (const double e : {0.9, 0.99}) {
     Request request = scene("kepler", 6.5 * 2 * std::acos(-1.0));
@@ -93,7 +93,7 @@ TEST(Advice, EstimatesTheLargestErrorOfTheRun) {
 class Advised : public testing::TestWithParam<std::size_t> {};
 TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
   const auto& card = runs::problem_cards()[GetParam()];
-  // Chaotic, and out of reach of every scheme at its default end.
+  // Chaotic, and beyond the reach of every scheme at its default end.
   const double end = card.id == "thermostat" ? 10 : 0;
   if (card.id == "double_pendulum" && spacing() > 1.2) return hold_against_all(card.id, {1e-3, 1e-6}, 10);
   hold_against_all(card.id, {1e-3, 1e-6, 1e-9}, end);
@@ -101,13 +101,14 @@ TEST_P(Advised, MeetsTheAccuracyAtTheLeastCost) {
 INSTANTIATE_TEST_SUITE_P(AllProblems, Advised, testing::Range<std::size_t>(0, runs::problem_cards().size()),
                          [](const auto& which) { return std::string(runs::problem_cards()[which.param].id); });
 
-// Of rough runs, too, the error is that along the whole span.
+// The error of rough runs is that along the whole span, too.
 TEST(Advice, IsMeasuredWhereLittleIsAskedFor) {
   hold_against_all("henon_heiles", {8e-3, 3e-2}, 40);
   hold_against_all("van_der_pol", {8e-3, 3e-2});
 }
 
-// Of a step as long as the run coarse tolerances all make the same run: that is no sign that finer ones do not help.
+// With one step over the whole run all coarse tolerances make the same run: this is no sign that finer ones do not
+// help.
 TEST(Advice, LooksBeyondRunsThatAreTheSame) {
   for (const double accuracy : {1e-10, 1e-13}) {
     const Advice advice = advise(scene("harmonic_oscillator", 10), {accuracy, 0, {}}, never);
@@ -169,7 +170,7 @@ TEST(Advice, GivesReasonsAndAlternatives) {
   EXPECT_EQ(again.reason, advice.reason);
 }
 
-// Orders of a Taylor series are one alternative.
+// The orders of a Taylor series count as one alternative.
 TEST(Advice, TellsOneOfEverySchemeThatGoesByItsTolerance) {
   for (const char* problem : {"perturbed_kepler", "van_der_pol"})
     for (const bool timed : {false, true}) {
@@ -183,7 +184,8 @@ TEST(Advice, TellsOneOfEverySchemeThatGoesByItsTolerance) {
     }
 }
 
-// Eccentric orbits with drag, constant or not: steps that follow the motion, contact maps or not asked for.
+// Eccentric orbits with drag, constant or not: the advice takes adaptive steps, whether contact maps are asked for or
+// not.
 TEST(Advice, TakesStepsThatFollowADampedMotion) {
   for (const std::string_view problem : {"damped_kepler", "perturbed_kepler"}) {
     Request orbit = scene(problem, 20);
@@ -202,7 +204,7 @@ TEST(Advice, TakesStepsThatFollowADampedMotion) {
       const double error = runs::number(runs::go(run).outcome.diagnostics, "error/max");
       EXPECT_NEAR(advice.estimated_error / error, 1, 0.1) << advice.reason;
     }
-    // The best that takes equal steps is far behind.
+    // The best scheme of equal steps is far behind.
     std::int64_t equal = 0;
     const ErrorStudy subject(orbit, false, 20, never);
     SchemeConfig splitting = choice(orbit, "contact_splitting", "kahan_li_8");
@@ -227,7 +229,7 @@ TEST(Advice, SaysWhatKeepsItFromTheAccuracy) {
   EXPECT_NE(conditioned.reason.text().find("exponentially"), std::string::npos) << conditioned.reason;
   std::atomic<bool> gone{true};
   EXPECT_FALSE(advise(chaos, {1e-3, 0, {}}, gone).choice);
-  // A motion that is stiff: what is stable is accurate.
+  // A stiff motion: every stable step is accurate.
   Request stiff = scene("damped_oscillator");
   runs::set(stiff, "damping", 1000);
   const Advice easy = advise(stiff, {1e-3, 0, {}}, never);
@@ -235,7 +237,8 @@ TEST(Advice, SaysWhatKeepsItFromTheAccuracy) {
   EXPECT_NE(id(*easy.choice), "runge_kutta_4");
 }
 
-// What is near the truth at the end of a long chaotic motion is so by chance, as one step is that ends at rest.
+// A run that is near the true solution at the end of a long chaotic motion is so by chance, as is a single step that
+// ends at rest.
 TEST(Advice, IsRightForAsLongAsAChaoticMotionCanBeKnown) {
   const ErrorStudy knowable(scene("lorenz", 15), false, 20, never);
   const Wish within{std::nan(""), 0.05, {}};
@@ -251,7 +254,7 @@ TEST(Advice, IsRightForAsLongAsAChaoticMotionCanBeKnown) {
   }
 }
 
-// Errors that have grown as large as the motion say nothing of the step; those of earlier times do.
+// Errors that have grown as large as the motion do not depend on the step; those at earlier times do.
 TEST(Advice, ForeseesErrorsInChaos) {
   const auto trial_of = [](double tolerance) {
     const ErrorStudy subject(scene("thermostat"), false, 20, never);
@@ -279,7 +282,7 @@ TEST(Advice, FindsTheBestWithinATime) {
   EXPECT_FALSE(advise(heiles, {std::nan(""), 1e-9, {}}, never).choice);
 }
 
-// What a search tries out moves as any run does, and is silent.
+// The trial runs of a search make the same steps as any run, without warnings and records.
 TEST(Advice, ProbesMoveAsRunsDo) {
   Request loud = with(scene("damped_kepler", 20), choice(scene("damped_kepler"), "contact_leapfrog"));
   runs::set(loud, "step", 0.04);
@@ -293,7 +296,7 @@ TEST(Advice, ProbesMoveAsRunsDo) {
   EXPECT_TRUE(probe.warnings.empty());
 }
 
-// Where the reference cannot be had, runs are held against their like of half the step.
+// Where there is no reference, a run is compared with one of half the step.
 TEST(Advice, DoesWithoutAReference) {
   const Request heiles = scene("henon_heiles", 30);
   const ErrorStudy blind(heiles, false, 0, never), seeing(heiles, false, 20, never);
@@ -317,7 +320,7 @@ TEST(Advice, EndsInTime) {
   EXPECT_FALSE(advice.reason.empty());
 }
 
-// Where the next value is the last one but for rounding, or the same, the search is over: it would go on for ever.
+// Where the next setting equals the last one, or differs only by rounding, the search ends: it would go on for ever.
 TEST(Search, NeverRepeatsARun) {
   const Request oscillator = scene("harmonic_oscillator", 20);
   const ErrorStudy subject(oscillator, false, 20, never);
@@ -335,7 +338,7 @@ TEST(Search, NeverRepeatsARun) {
   EXPECT_LT(other.bad()->value, value);
 }
 
-// A first run that is accurate enough is not the last: what is coarser is cheaper.
+// A first run that is accurate enough is not the last: coarser runs are cheaper.
 TEST(Search, GoesBackFromAFineRunToCoarserOnes) {
   const Request orbit = scene("kepler", 20);
   const ErrorStudy subject(orbit, false, 20, never);

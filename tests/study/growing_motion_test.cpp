@@ -1,4 +1,4 @@
-// The longest stable step where the true motion grows itself: what it grows by is not charged to the step.
+// The longest stable step where the true motion itself grows: its growth does not count against the step.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -41,7 +41,7 @@ struct Mathieu {
     x += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
     v += h / 6 * (b1 + 2 * b2 + 2 * b3 + b4);
   }
-  /// Floquet's exponent, from the map over a period.
+  /// exponent() returns Floquet's exponent, from the map over a period.
   double exponent() const {
     constexpr int steps = 4000;
     constexpr double h = 2 * std::numbers::pi / steps;
@@ -53,7 +53,8 @@ struct Mathieu {
     const double half_trace = std::abs(x1 + v2) / 2;
     return half_trace > 1 ? std::acosh(half_trace) / (2 * std::numbers::pi) : 0;
   }
-  /// How fast a run of 2,000 steps grows: the logarithm of its second half's size relative to its first's, by time.
+  /// rate_of_run() returns how fast a run of 2,000 steps grows: the logarithm of the size of its second half relative
+  /// to its first, per time.
   double rate_of_run(bool leapfrog, double h) const {
     // The study follows the motion until it is 1e30 times as large.
     const double followed = std::log(1e30) / (exponent() * h);
@@ -73,7 +74,7 @@ struct Mathieu {
   }
 };
 
-// In the middle of the first tongue the motion grows at a rate of about q/2, in 2,000 steps by a hundred orders of
+// In the middle of the first tongue the motion grows at a rate of about q/2, over 2,000 steps by a hundred orders of
 // magnitude.
 TEST(StabilityLimitOfAGrowingMotion, InMathieusTongueIsThatOfTheStep) {
   std::vector<Mathieu> rows{{0.25, 0.1}};
@@ -95,8 +96,8 @@ TEST(StabilityLimitOfAGrowingMotion, InMathieusTongueIsThatOfTheStep) {
       EXPECT_EQ(found->failure, "energy_growth");
       for (const double part : {0.1, 0.3, 0.5, 0.7, 0.9})
         EXPECT_LT(mathieu.rate_of_run(by_leapfrog, part * found->step), 1.6 * mathieu.exponent()) << part;
-      // Steps of Runge and Kutta's scheme that are about as long as a period of the tongue see it standing still: when
-      // they grow is a matter of where a run ends.
+      // Runge–Kutta steps about as long as a period of the tongue see a force that stands still: whether a run grows
+      // then depends on where it ends.
       if (by_leapfrog) {
         EXPECT_GT(mathieu.rate_of_run(true, found->failing), 1.4 * mathieu.exponent());
       }
@@ -104,7 +105,7 @@ TEST(StabilityLimitOfAGrowingMotion, InMathieusTongueIsThatOfTheStep) {
   }
 }
 
-// Outside of it nothing grows, and what a step makes grow is its own, a shifted resonance included.
+// Outside the tongue the motion does not grow, so that all growth is that of the step, a shifted resonance included.
 TEST(StabilityLimitOfAGrowingMotion, BesideTheTongueIsWhereARunGrows) {
   std::vector<Mathieu> rows{{0.5, 0.1}};
   std::mt19937 random(37);
@@ -127,7 +128,7 @@ TEST(StabilityLimitOfAGrowingMotion, BesideTheTongueIsWhereARunGrows) {
   }
 }
 
-// q̈ − αq̇ + q = 0: steps are stable or not by the oscillation, whatever drives it.
+// q̈ − αq̇ + q = 0: whether steps are stable depends on the oscillation, although the motion grows.
 TEST(StabilityLimitOfAGrowingMotion, OfAnAntiDampedOscillator) {
   for (const char* damping : {"-0.02", "-0.1", "-0.4"}) {
     SCOPED_TRACE(damping);
@@ -137,7 +138,7 @@ TEST(StabilityLimitOfAGrowingMotion, OfAnAntiDampedOscillator) {
   }
 }
 
-// From next to the unstable rest to the limit cycle: a growth by four orders of magnitude, which then ends.
+// From near an unstable equilibrium to the limit cycle: the motion grows by four orders of magnitude, and then no more.
 TEST(StabilityLimitOfAGrowingMotion, OfAStartNearAnUnstableRest) {
   const Definition cycle = texts::flow({"x", "v"}, {}, {{"x", "v"}, {"v", "(1 - x^2)*v/10 - x"}});
   const double on_the_cycle = limit(cycle, "runge_kutta_4", {2, 0}).step;
@@ -145,8 +146,8 @@ TEST(StabilityLimitOfAGrowingMotion, OfAStartNearAnUnstableRest) {
   EXPECT_NEAR(limit(cycle, "runge_kutta_4", {1e-4, 0}).step, on_the_cycle, 0.2 * on_the_cycle);
 }
 
-// Down a hill, V = −x²/2, the energy's errors grow with the energies themselves: a scheme that keeps the form keeps
-// them in proportion.
+// Down a hill, V = −x²/2, energy errors grow with the kinetic and potential energies themselves: with a symplectic
+// scheme they stay in proportion.
 TEST(StabilityLimitOfAGrowingMotion, DownAHillIsRelativeToTheSpeed) {
   const StabilityLimit found = limit(texts::of(typed_v, {"x"}, {}, "-x^2/2"), "leapfrog", {1, 0});
   EXPECT_TRUE(found.failure.empty() || found.step > 1) << found.step;

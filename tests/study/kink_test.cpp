@@ -1,4 +1,5 @@
-// Forces without a second derivative, as √|x| at x = 0: tangents have no steps there, but the motion goes on.
+// Forces without a second derivative, such as √|x| at x = 0: tangents cannot step over such a kink, but the motion goes
+// on.
 #include <cmath>
 
 #include "tests/study/studies.hpp"
@@ -27,7 +28,8 @@ Kinked oscillator(const char* potential, std::vector<double> start, double end, 
   return {texts::of(texts::Definition::Kind::potential, {"x"}, {}, potential), std::move(start), end, accuracy};
 }
 
-/// How far neighbours of a start that is off by `delta` are from the true end.
+/// distance_of_neighbours() returns the largest distance between the true end and the ends from starts that are off by
+/// `delta`, divided by `delta`.
 double distance_of_neighbours(const Request& request, double delta) {
   const std::vector<double> end{request.end};
   const std::vector<double> here = truth(request, end, always)->states[0];
@@ -52,7 +54,8 @@ TEST(Kink, NeighboursAreFollowedWhereTangentsHaveNoSteps) {
   }
 }
 
-// A factor of 1.06 in each of 800 passages would be e⁵⁰: differences of an oscillator grow with the time.
+// If each of 800 passages multiplied differences by 1.06, they would grow by e⁵⁰; those of an oscillator grow in
+// proportion to time.
 TEST(Kink, MakesNoChaosOfManyPassages) {
   const auto known = conditioning(oscillator("x^2/2 + abs(x)^1.5", {0.6, 0.96}, 2000).request(), always);
   EXPECT_TRUE(known->complete && !known->ends);

@@ -1,7 +1,7 @@
-// The observed order of every pair in the catalogue, from studies in double precision, is the declared one. How near
-// they can come to it: the largest error along a run follows a power of the step only where higher powers are gone, and
-// from order 8 on round-off comes first. To a tenth, in longer numbers, the orders of fixed steps are measured by the
-// laws (OrderIsAsDeclared).
+// The observed order of every pair in the catalogue, from studies in double precision, is the declared one. The
+// tolerance is wide: the largest error along a run follows a power of the step only where higher powers are negligible,
+// and from order 8 on round-off comes first. The laws measure the orders of fixed steps to a tenth, in longer numbers
+// (OrderIsAsDeclared).
 #include <cmath>
 #include <iostream>
 
@@ -12,11 +12,11 @@ namespace {
 
 using namespace studies;
 
-/// A problem's default scene up to a time at which nothing is special and before which differences of the start have
-/// not grown much. Where the equations of motion are singular at the start, and orders fall, from further on.
+/// ordinary() returns a problem's default scene up to an ordinary time, before which differences of the start have not
+/// grown much. Where the equations of motion are singular at the start, which lowers orders, it begins later.
 Request ordinary(std::string_view problem) {
   Request request = scene(problem);
-  if (problem == "damped_kepler")  // at e = .9 powers of eight and ten are lost in rounding before they are pure
+  if (problem == "damped_kepler")  // at e = .9 rounding hides the pure powers of eight and ten
     for (const auto& [name, value] : {std::pair{"x", 0.5}, {"py", std::sqrt(3.0)}}) runs::begin(request, name, value);
   const double span = request.end - runs::scene(request).start;
   request.end = runs::scene(request).start + 0.37 * span;
@@ -50,7 +50,7 @@ TEST_P(Orders, AreTheDeclaredOnes) {
       waived += curve.expected_order <= 6 && curve.points.size() > 1;
       continue;
     }
-    // At order 10 a periapsis passage is at round-off after a few steps more than it is resolved with.
+    // At order 10 a few more steps than resolve a periapsis passage already reach round-off.
     const double slack = curve.expected_order <= 6 ? 0.45 : curve.expected_order <= 8 ? 1.5 : 2.5;
     EXPECT_GT(curve.observed_order, curve.expected_order - slack) << pair;
     EXPECT_LT(curve.observed_order,

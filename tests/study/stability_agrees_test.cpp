@@ -1,4 +1,4 @@
-// The two endpoints agree: what /v1/stability calls the longest stable step of a pair is where a run stops, or grows.
+// The two endpoints agree: beyond the longest stable step of a pair that /v1/stability gives, a run stops or grows.
 #include <cmath>
 #include <cstdio>
 
@@ -8,8 +8,8 @@ namespace {
 
 using namespace studies;
 
-/// How a run of 2,000 steps, or of the default span, goes wrong by what it says and by its own samples; empty: it does
-/// not. Measured anew, without the study's code.
+/// wrong() says how a run of 2,000 steps, or over the default span, goes wrong, by its status and its own samples;
+/// empty where it does not. It measures this without the study's code.
 std::string wrong(const Request& scene, const SchemeConfig& scheme, double step) {
   const auto known = conditioning(scene, always);
   Request request = with(scene, scheme);
@@ -38,7 +38,7 @@ std::string wrong(const Request& scene, const SchemeConfig& scheme, double step)
   const double spans = (result.outcome.t - scene.scene->start) / span;
   const double travels = known->travels() ? std::max(spans, 1.0) : 1;
   if (std::max(sizes[0], sizes[1]) > 1000 * known->size * travels) return "runs away";
-  const double twice = !energy && known->travels()  // an angle that turns is twice as large at twice the time
+  const double twice = !energy && known->travels()  // a rotating angle doubles with time
                            ? 2 * std::max(spans, known->size_halfway / known->size) /
                                  std::max(spans / 2, known->size_halfway / known->size)
                            : 2;
@@ -66,7 +66,7 @@ TEST_P(Agreement, OfStabilityAndRuns) {
     EXPECT_EQ(wrong(origin, found.scheme, 0.98 * found.step), "");
     const double longer = 1.05 * found.step;
     if (!wrong(origin, found.scheme, longer).empty()) continue;
-    // Beyond the limit there may be steps that are stable again: then the limit itself is what has to be shown.
+    // Steps beyond the limit may be stable again: then the run at the limit itself has to go wrong.
     const std::string at_limit = wrong(origin, found.scheme, found.failing);
     EXPECT_FALSE(at_limit.empty());
     EXPECT_LT(found.failing, 1.001 * found.step);
@@ -75,8 +75,8 @@ TEST_P(Agreement, OfStabilityAndRuns) {
     ++waived;
   }
   std::printf("%s: %d limits, %d with steps beyond that are stable again\n", problem.id.c_str(), limits, waived);
-  // Of the thermostat two splittings and Euler's steps, of perturbed_kepler five of nine: near their ends resonances of
-  // its orbit decide, which lie closer than a twentieth.
+  // Two splittings and Euler's steps for the thermostat, and five of nine schemes for perturbed_kepler: near their
+  // limits, resonances that lie closer than a twentieth decide.
   EXPECT_LE(2 * waived, limits + 2);
 }
 INSTANTIATE_TEST_SUITE_P(Stability, Agreement, testing::Range<std::size_t>(0, problem_list().size()),

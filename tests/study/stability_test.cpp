@@ -1,4 +1,4 @@
-// How long a step may be.
+// The longest stable step, by runs and by linear theory.
 #include <cmath>
 #include <numbers>
 
@@ -34,7 +34,7 @@ TEST(StabilityLimit, IsThatOfLinearTheory) {
   expect_limit(limit("damped_oscillator", "runge_kutta_4", "", {{"damping", 100}}), 0.0278532, "energy_growth");
 }
 
-/// The merged splitting's bound ωh < 2 √(x/tanh x), x = αh/2, as the largest h.
+/// The merged splitting's bound ωh < 2 √(x/tanh x), x = αh/2, solved for the largest h.
 TEST(StabilityLimit, OfTheSplittingsWithDamping) {
   for (const double damping : {0.1, 1.0}) {
     Request request = scene("damped_oscillator");
@@ -132,8 +132,8 @@ TEST(StableStepsTest, ThinGapsAreFound) {
   EXPECT_TRUE(std::isinf(gauss.islands[0].high));
 }
 
-// Inside every interval and outside of all, by the spectral radius; a margin of 1e-11 is one of 3e-6 in the radius
-// where two eigenvalues meet.
+// Checks inside every interval and outside all of them, by the spectral radius. Where two eigenvalues meet, a margin of
+// 1e-11 is one of 3e-6 in the radius.
 TEST(StableStepsTest, AreWhereStepsDoNotGrow) {
   int borders = 0;
   const auto check = [&](std::string_view scheme, const std::vector<double>& settings, double alpha) {
@@ -167,7 +167,7 @@ TEST(StableStepsTest, AreWhereStepsDoNotGrow) {
   EXPECT_GT(borders, 60);
 }
 
-// Numbers: the trace of nine leapfrog steps, looked at every 1e-6, by hand.
+// The expected numbers are from the trace of nine leapfrog steps, evaluated by hand at every 1e-6.
 TEST(StableStepsTest, ThinIslandsAreFound) {
   const StableSteps steps = theory("leapfrog", {1, composed("kahan_li_6")}, 0);
   EXPECT_NEAR(steps.limit, 2.532627, 2e-6);
@@ -194,7 +194,7 @@ TEST(StabilityLimit, OfCriticalDampingIsTheRealInterval) {
   expect_limit(critical("explicit_midpoint"), 2, "energy_growth");
 }
 
-// Where the motion is not linear, the limit is ragged; well below it runs are stable.
+// Where the motion is not linear the limit is not sharp; well below it runs are stable.
 TEST(StabilityLimit, RunsBelowAreStable) {
   for (const auto& [problem, scheme] :
        {std::pair("henon_heiles", "leapfrog"), std::pair("van_der_pol", "runge_kutta_4"),
@@ -215,7 +215,7 @@ TEST(StabilityLimit, RunsBelowAreStable) {
   }
 }
 
-// An angle that turns for ever is no growth: the free rotor, whose every step is exact.
+// A steadily rotating angle is no growth: the free rotor, for which every step is exact.
 TEST(StabilityLimit, TurningIsNoGrowth) {
   Request rotor = scene("spin_orbit");
   runs::set(rotor, "epsilon", 0);

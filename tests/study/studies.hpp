@@ -25,7 +25,7 @@ inline std::string name(const SchemeConfig& choice) { return least::name(schemes
 inline ResolutionParameter dial_of(const SchemeConfig& choice) { return ResolutionParameter(schemes()[choice.scheme]); }
 inline bool watch(std::size_t, const StudyCurve&) { return true; }
 
-/// A problem's default scene; the scheme in it is any that fits.
+/// scene() returns a problem's default scene, to the time `end` where that is not 0. Its scheme is only a placeholder.
 inline Request scene(std::string_view problem, double end = 0) {
   const std::size_t first = runs::problem_card(problem).schemes.front();
   Request request = runs::defaults(problem, schemes()[first].id);
@@ -33,14 +33,14 @@ inline Request scene(std::string_view problem, double end = 0) {
   return request;
 }
 
-/// A scheme as the catalogue suggests it for the scene's problem.
+/// choice() returns a scheme with the settings that the catalogue suggests for the scene's problem.
 inline SchemeConfig choice(const Request& scene, std::string_view scheme, std::string_view composition = "") {
   Request request = runs::defaults(scene.scene->card().id, scheme);
   if (!composition.empty()) runs::set(request, "composition", composition);
   return {request.scheme, request.settings};
 }
 
-/// The scene run by a scheme.
+/// with() returns the scene with this scheme.
 inline Request with(Request scene, const SchemeConfig& choice) {
   scene.scheme = choice.scheme;
   scene.settings = choice.settings;

@@ -1,4 +1,4 @@
-// True states, their cache, and how well states can be known.
+// True states, their cache, and how accurately states can be known.
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -26,7 +26,8 @@ TEST(Truth, IsTheClosedFormWhereThereIsOne) {
   EXPECT_NEAR(q, std::sin(3.0) / 3, 1e-15);
 }
 
-// The quad-precision run against a closed form that it does not use: n = 1 from a start after its own.
+// The quad-precision run against a closed form that it does not use: n = 1 from a start that is not the closed form's
+// own.
 TEST(Truth, IsARunInQuadPrecisionElsewhere) {
   Request star = scene("lane_emden", 3);
   runs::set(star, "n", 1);
@@ -40,7 +41,8 @@ TEST(Truth, IsARunInQuadPrecisionElsewhere) {
   EXPECT_LT(known->uncertainty, 1e-15);
 }
 
-// A run of the star that names a time and no state: the closed forms, with s = t⁻² ∫₀ᵗ τ² (p²/2 − V) dτ.
+// A run of the star that names a start time but no state begins on the regular solution: the closed forms, with s = t⁻²
+// ∫₀ᵗ τ² (p²/2 − V) dτ.
 TEST(Truth, KnowsTheStateOfAStarWhereARunBegins) {
   struct Star {
     double q, p;
@@ -60,7 +62,7 @@ TEST(Truth, KnowsTheStateOfAStarWhereARunBegins) {
       const auto [q, p] = star(n, t);
       EXPECT_NEAR((*state)[0], q, 1e-15) << n << ' ' << t;
       EXPECT_NEAR((*state)[1], p, 1e-15) << n << ' ' << t;
-      double sum = 0;  // Simpson's rule; at τ = 0 there is nothing
+      double sum = 0;  // Simpson's rule; the integrand vanishes at τ = 0
       constexpr int parts = 4000;
       for (int k = 1; k <= parts; ++k) {
         const double tau = t * k / parts;
@@ -99,7 +101,7 @@ TEST(Truth, IsKeptAndGivenUpAndForgotten) {
   EXPECT_FALSE(first.expired());
   truth(oscillator, {100.5}, always);
   EXPECT_TRUE(first.expired()) << "more than 64 are kept";
-  // Four of 5 MiB do not go into 16.
+  // Four of 5 MiB do not fit into 16 MiB.
   std::vector<std::weak_ptr<const Truth>> large;
   for (int k = 0; k < 4; ++k) {
     std::vector<double> times;
@@ -125,7 +127,8 @@ TEST(Truth, CanBeAskedForByManyAtOnce) {
   EXPECT_EQ(wrong, 0);
 }
 
-/// How far a start that is off by `delta` in one variable is from the true end, the largest of all variables.
+/// spread() returns the largest distance between the true end and the ends from starts that are off by `delta` of the
+/// state in one variable, divided by `delta`.
 double spread(const Request& scene, double delta) {
   const std::vector<double> end{scene.end};
   const auto here = truth(scene, end, always);
@@ -145,7 +148,7 @@ TEST(Conditioning, IsTheGrowthOfDifferences) {
         std::pair("van_der_pol", 3.0), std::pair("perturbed_kepler", 50.0), std::pair("lane_emden", 5.0)}) {
     SCOPED_TRACE(problem);
     Request request = scene(problem, end);
-    if (std::string_view(problem) == "lane_emden") {  // its regular start has no neighbours
+    if (std::string_view(problem) == "lane_emden") {  // its regular start has no neighbouring regular starts
       runs::scene(request).start = 0.5;
       runs::scene(request).initial = {0.96, -0.16, 0};
     }
@@ -154,7 +157,7 @@ TEST(Conditioning, IsTheGrowthOfDifferences) {
   }
 }
 
-// Of an oscillator whose momentum is any number of times its place.
+// An oscillator whose momentum is any number of times its position.
 TEST(Conditioning, InTheRelativeNormDoesNotDependOnUnits) {
   for (const double unit : {1.0, 1e-16, 1e12}) {
     Request request = scene("harmonic_oscillator", 20);
@@ -167,7 +170,7 @@ TEST(Conditioning, InTheRelativeNormDoesNotDependOnUnits) {
   }
 }
 
-// Where they grow so far that the motion itself has to be followed to all its digits.
+// Differences grow so far that the motion itself has to be followed to all its digits.
 TEST(Conditioning, IsThatOfTheTrueMotionWhereItIsChaotic) {
   const Request request = scene("thermostat", 100);
   const double measured = spread(request, 0x1p-50);
@@ -191,7 +194,7 @@ TEST(Conditioning, TellsChaosFromTheRest) {
   EXPECT_FALSE(chaotic(scene("van_der_pol", 100)));
   EXPECT_FALSE(chaotic(scene("double_pendulum")));
   Request grazing = scene("kepler", 25);
-  runs::begin(grazing, "px", -0.001);  // one passage close by the centre
+  runs::begin(grazing, "px", -0.001);  // a close passage of the centre
   runs::begin(grazing, "py", 0);
   EXPECT_GT(conditioning(grazing, always)->most_growth, 1e6);
   EXPECT_FALSE(chaotic(grazing));
@@ -208,7 +211,7 @@ TEST(Conditioning, FindsWhereAMotionEnds) {
   EXPECT_FALSE(conditioning(scene("pendulum"), always)->ends);
 }
 
-// Below the floor nothing is to be had: the best runs come near it and not far below.
+// No run has errors below the floor: the best runs come near it and not far below.
 TEST(Conditioning, FloorIsWhereErrorsEnd) {
   const auto check = [](const Request& request, const SchemeConfig& scheme) {
     const ErrorStudy subject(request, false, 20, never);

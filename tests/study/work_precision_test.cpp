@@ -1,4 +1,4 @@
-// What accuracy costs.
+// Work–precision studies: what accuracy costs.
 #include <cmath>
 #include <map>
 
@@ -55,7 +55,7 @@ TEST(WorkPrecision, FindsTheDeclaredOrders) {
               {"contact_galerkin_4", ""},
               {"contact_gauss", ""}},
              10));
-  // Steps that follow the motion, with damping that is constant, that changes in time, and of an eccentric orbit.
+  // Adaptive steps, with constant damping, with damping that changes in time, and on an eccentric orbit.
   for (const auto& [problem, end] :
        {std::pair("damped_oscillator", 10), std::pair("perturbed_kepler", 10), std::pair("damped_kepler", 7)}) {
     const Study timed = check(plan(
@@ -73,7 +73,7 @@ TEST(WorkPrecision, FindsTheDeclaredOrders) {
   check(all_along);
 }
 
-/// All that must not depend on the machine.
+/// numbers() returns everything in a study that must not depend on the machine.
 std::vector<double> numbers(const Study& study) {
   std::vector<double> all{study.uncertainty, study.floor, study.growth, study.end};
   for (const StudyCurve& curve : study.curves) {
@@ -95,13 +95,13 @@ TEST(WorkPrecision, RepeatsItselfToTheBit) {
   const auto once = numbers(work_precision(p, watch, never));
   EXPECT_GT(once.size(), 100u);
   EXPECT_EQ(once, numbers(work_precision(p, watch, never)));
-  StudyPlan other = p;  // where a setting begins does not matter
+  StudyPlan other = p;  // the initial value of a setting does not matter
   for (SchemeConfig& scheme : other.schemes)
     if (schemes()[scheme.scheme].id == "leapfrog") scheme.settings[0] *= 17;
   EXPECT_EQ(once, numbers(work_precision(other, watch, never)));
 }
 
-// Each point is a run that can be repeated through the ordinary door, where its error is measured by other code.
+// Each point can be repeated as an ordinary run, whose error is measured by other code.
 TEST(WorkPrecision, PointsAreRunsOfTheirOwn) {
   for (const bool at_end : {true, false}) {
     // The largest error of the damped one is far from its end.

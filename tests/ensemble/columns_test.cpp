@@ -1,4 +1,4 @@
-// Columns of the caller's own over members: the expressions of single runs, with what varies as a variable.
+// The caller's own columns of members: the expressions of single runs, with varied parameters as variables.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using namespace least;
 
-/// Further columns, by name and expression.
+/// add_own_columns() adds columns, given by name and expression.
 void add_own_columns(EnsemblePlan& plan, std::initializer_list<std::pair<const char*, const char*>> own) {
   MemberReader reader(*plan.request.scene, plan.members.vary);
   for (const auto& [name, expression] : own) {
@@ -74,8 +74,8 @@ TEST(OwnColumns, AreThoseOfTheRunsOfTheMembers) {
   }
 }
 
-// What is no number of one member is unknown in its place, and in no other; a power whose exponent varies is that of
-// its member.
+// A value that is undefined for one member is NaN for that member and no other; a power whose exponent varies has each
+// member's exponent.
 TEST(OwnColumns, WhatDoesNotExistIsUnknownInItsPlace) {
   EnsemblePlan plan = orbits_of_masses();
   add_own_columns(plan, {{"a", "sqrt(mu-1/3)+0*x"}, {"b", "x^mu"}, {"c", "1/(mu-0.5)"}, {"d", "x"}});
@@ -111,7 +111,7 @@ TEST(Histograms, CountWhatIsFinite) {
 }
 
 TEST(OwnColumns, SectionsHaveThem) {
-  for (const char* const plane : {"y", "y+0*energy"}) {  // in lanes, and by runs of their own
+  for (const char* const plane : {"y", "y+0*energy"}) {  // in lanes, and by runs alone
     EnsemblePlan plan = orbits_of_masses();
     plan.request.end = 30;
     test::set_plane(plan, plane, 1);
@@ -125,7 +125,7 @@ TEST(OwnColumns, SectionsHaveThem) {
   }
 }
 
-// A plane that is nowhere a number for one of the members is met by the others.
+// A plane whose expression is never defined for one of the members is still met by the others.
 TEST(OwnColumns, APlaneThatDoesNotExistIsNotMet) {
   EnsemblePlan plan = orbits_of_masses();
   plan.request.end = 30;

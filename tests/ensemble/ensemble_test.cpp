@@ -1,4 +1,4 @@
-// Ensembles: what members do is what they do alone, and how they are shared out changes no bit.
+// Ensembles: members move as they do alone, and the distribution of the work changes no bit.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -93,7 +93,8 @@ TEST(Ensemble, ARangeIsThePartOfTheMembersItNames) {
 TEST(Ensemble, WhatStopsIsCountedAndLeftOut) {
   EnsemblePlan plan = ensemble_of("kepler", "leapfrog", 2);
   test::setting(plan, "step") = 0.05;
-  // At rest and near: an orbit into the centre, whose steps are too long there. At rest and far: no trouble.
+  // A start at rest and near falls into the centre, where its steps are too long. A start at rest and far has no
+  // trouble.
   test::set_members(plan, 2, {{Varied::variable, 0, Spread::values, {0.3, 50}}});
   plan.request.scene = [&] {
     auto scene = std::make_shared<Scene>(*plan.request.scene);
@@ -152,7 +153,7 @@ std::vector<std::string> codes_of(const std::vector<Warning>& warnings) {
   return codes;
 }
 
-/// What lone runs warn of, an ensemble warns of, too: of a few members, whatever they are.
+/// An ensemble warns of what runs alone warn of; it examines a few members, whatever they are.
 TEST(Ensemble, WarnsOfWhatItsMembersWarnOf) {
   const std::atomic<bool> never{false};
   EnsemblePlan plan = kepler_members();
@@ -169,7 +170,7 @@ TEST(Ensemble, WarnsOfWhatItsMembersWarnOf) {
   ASSERT_EQ(again.size(), warnings.size());
   for (std::size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].detail, warnings[i].detail);
 
-  // The last ones alone are bad, as their step is long for how near they come.
+  // Only the last members are bad: their step is too long for their close approach.
   plan.request.end = 20;
   test::setting(plan, "step") = 0.02;
   plan.members.vary = {{Varied::variable, 3, Spread::grid, {1, 0.1, 5}}};
@@ -179,7 +180,7 @@ TEST(Ensemble, WarnsOfWhatItsMembersWarnOf) {
   EXPECT_NE(some_of_them.back().detail.text().find(" of 5 members that were run alone, too; "), std::string::npos);
   EXPECT_EQ(some_of_them.back().detail.text().find("said by 5 of 5"), std::string::npos) << some_of_them.back().detail;
 
-  // However long they are.
+  // The same for runs of any length.
   plan.request.until_steps = true;
   plan.request.steps = plan.request.limits.steps = 10'000'000'000;
   test::setting(plan, "step") = 0.5;

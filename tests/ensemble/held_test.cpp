@@ -1,4 +1,4 @@
-// What blocks of members hold: counted before it is taken, and cut to what is left.
+// The memory that blocks of members hold: it is counted before it is allocated, and blocks are cut to the memory left.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -39,7 +39,7 @@ Ran run_with(const EnsemblePlan& plan, MemoryBudget& memory, unsigned threads) {
   return ran;
 }
 
-// A block of these takes 16 MB: four threads compute them one by one.
+// A block of these members takes 16 MB, so that four threads compute the blocks one by one.
 TEST(HeldByEnsembles, BlocksAreCutToWhatIsLeft) {
   const EnsemblePlan plan = section_of(5 * block_size, 0.1);
   const Harvest all = test::harvest_of(plan);
@@ -62,7 +62,7 @@ TEST(HeldByEnsembles, WhereNoBlockHasRoomTheyEnd) {
   }
 }
 
-// Members one by one: their scheme's steps are those of no lane.
+// Members that run one by one, because their scheme has no steps in lanes.
 TEST(HeldByEnsembles, MembersOneByOneAreHeld) {
   EnsemblePlan plan = section_of(300, 0.001);
   plan.request.limits.samples = 5'000'000;
@@ -77,7 +77,7 @@ TEST(HeldByEnsembles, MembersOneByOneAreHeld) {
   EXPECT_EQ(memory.held(), 0U);
 }
 
-// Of a section that is large to put into order takes a while: one that nobody waits for is left as it is.
+// Sorting a large section takes a while: where nobody waits for the answer any more it is left unsorted.
 TEST(HeldByEnsembles, PointsAreSortedPieceByPiece) {
   SectionPoints points;
   Held held;

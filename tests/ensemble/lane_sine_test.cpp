@@ -1,6 +1,6 @@
 // Sine and cosine of lanes against those of the C library in extended precision.
 #define LEAST_LANE_BYTES 16
-#define least least_of_lanes  // no unit outside may share what is compiled here
+#define least least_of_lanes  // so that the linker shares nothing of this with other files
 #include "core/number/lanes.hpp"
 #undef least
 
@@ -18,13 +18,14 @@ using least_of_lanes::Lanes;
 
 constexpr double most = 3e6;
 
-/// Units in the last place of what is right; what lies below `grain` is not asked of a difference.
+/// ulps() returns the error in units in the last place of the right value; of the difference, `grain` is allowed for
+/// free.
 double ulps(double found, long double right, long double grain) {
   const long double unit = std::ldexp(1.0L, std::ilogb(right) - 52);
   return static_cast<double>(std::max(std::abs(found - right) - grain, 0.0L) / unit);
 }
 
-/// Of all sizes, every third where one of the two is as good as zero.
+/// arguments() returns arguments of all sizes; at every third either sine or cosine is almost zero.
 std::vector<double> arguments() {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> exponent(-8, std::log10(most)), sign(-1, 1);
@@ -52,7 +53,7 @@ TEST(LaneSine, IsRight) {
   EXPECT_GT(std::min<long double>(sine, cosine), 1e-17);  // both were measured
 }
 
-/// 1 - s^2 is to have a root.
+/// √(1 − s²) has to be real.
 TEST(LaneSine, IsNeverMoreThanOne) {
   for (const double quarter : {-0.5, 0.5, 1.5, 20.5}) {
     double x = quarter * std::numbers::pi - 1e-6;

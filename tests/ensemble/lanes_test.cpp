@@ -1,4 +1,4 @@
-// Lanes: a member has the bits that it has alone, whatever runs beside it and whatever the instruction set.
+// Lanes: a member has the same bits as alone, whatever runs beside it and whatever the instruction set.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,8 @@ TEST(LaneMembers, HaveTheBitsOfAloneInEveryUnit) {
   EXPECT_EQ(seen.size(), lane_units().size());
 }
 
-/// Runs of the service take elementary functions from the C library: without any they have the same bits, else nearly.
+/// Single runs use the C library's elementary functions: members without any have the same bits as a run, others nearly
+/// so.
 TEST(LaneMembers, AreTheRunsOfTheService) {
   const std::set<std::string> arithmetic{"harmonic_oscillator", "henon_heiles", "kepler", "kepler_3d"};
   int exact = 0;
@@ -78,7 +79,7 @@ TEST(LaneMembers, CarryMoreWhereItIsAskedForAndMoveTheSame) {
   }
 }
 
-/// Members of one group that end for different reasons at different times.
+/// expect_same_endings() checks a group of members that end for different reasons at different times.
 void expect_same_endings(const EnsemblePlan& plan, ReturnCode reason) {
   const Harvest lone = alone(plan);
   EXPECT_GT(lone.ended[0], 0);
@@ -217,8 +218,8 @@ TEST(LaneMembers, MeetPlanesWhereTheyLie) {
   EXPECT_EQ(few.section.member, (std::vector<std::int64_t>{0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
 }
 
-// Where it turns an oscillator passes a plane and comes back, most often within one step, and so does the momentum of a
-// pendulum that just gets over the top; both in their first step as well.
+// At a turning point an oscillator passes a plane and comes back, mostly within one step; so does the momentum of a
+// pendulum that just gets over the top. Both do so in their first step as well.
 TEST(LaneMembers, MeetPlanesTheyPassTwiceWithinAStep) {
   for (const auto& [problem, start, from, to, plane, times] :
        {std::tuple{"harmonic_oscillator", std::vector{0.9995, 0.03}, 0.9995, 0.9996, "q - 0.9998", 48},
@@ -272,7 +273,7 @@ TEST(LaneMembers, MeetPlanesAsAlone) {
         EXPECT_NEAR(met.values[i], lone.values[i], 1e-10) << expression;
     }
   }
-  // Lanes do not know the energy, nor an expression for each member: such members run alone.
+  // Lanes compute neither the energy nor expressions that differ between members: such members run alone.
   EnsemblePlan plan = test::about_start("kepler", *find_scheme("leapfrog"), 3, 10);
   test::set_plane(plan, "energy + 0.2", 0);
   EXPECT_FALSE(in_lanes(plan, lane_units().back()));
@@ -282,8 +283,8 @@ TEST(LaneMembers, MeetPlanesAsAlone) {
   EXPECT_FALSE(in_lanes(plan, lane_units().back()));
 }
 
-// A plane that oscillates a hundred million times within a step; the first member is so near the origin that it does
-// not.
+// A plane whose expression oscillates a hundred million times within a step; the first member is so near the origin
+// that its expression does not.
 TEST(LaneMembers, SayWhereTheirSearchEndsUnresolved) {
   EnsemblePlan plan = test::ensemble_of("harmonic_oscillator", "leapfrog", 3);
   test::set_members(plan, 3, {{Varied::variable, 0, Spread::values, {1e-9, 1, 2}}});

@@ -1,4 +1,4 @@
-// Members as a function of (seed, index), and sums that do not depend on who made them.
+// Members as a function of (seed, index), and sums that do not depend on how the work is distributed.
 #include "core/ensemble/members.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,8 @@ TEST(Members, GridsAndValuesMakeTheirProductTheLastFastest) {
   EXPECT_EQ(lone.of(0), std::vector<double>{0.3});
 }
 
-/// Members are the same in whatever order a request says what varies: each number is the draw of its own quantity.
+/// Members do not depend on the order in which a request lists what varies: each number is the draw of its own
+/// quantity.
 TEST(Members, DrawsDoNotDependOnTheOrderOfVariations) {
   const Variation x{Varied::variable, 0, Spread::uniform, {0, 1}}, v{Varied::velocity, 0, Spread::uniform, {0, 1}},
       k{Varied::parameter, 2, Spread::normal, {0, 1}};
@@ -67,7 +68,7 @@ TEST(Members, DrawsFollowFromSeedAndIndex) {
     square += z * z / 1e5;
     skew += z * (x[0] - 1) / 1e5;
   }
-  // Four standard errors.
+  // The tolerances are four standard errors.
   EXPECT_NEAR(mean, 1, 4 * (4 / std::sqrt(12)) / std::sqrt(1e5));
   EXPECT_NEAR(square, 1, 4 * std::sqrt(2 / 1e5));
   EXPECT_NEAR(skew, 0, 4 * (4 / std::sqrt(12)) / std::sqrt(1e5)) << "two quantities of a member are independent";

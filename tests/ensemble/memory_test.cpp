@@ -1,4 +1,4 @@
-// What an ensemble holds: not its members, where nothing of each is kept.
+// The memory of an ensemble does not grow with its members where nothing of each member is kept.
 #include <gtest/gtest.h>
 
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && \
@@ -21,19 +21,18 @@ double kibibytes(const std::string& name) {
     if (word == name && status >> found) break;
   return found;
 }
-/// How much more than before f holds at most.
+/// grows_by() returns by how many KiB f raises the peak of the resident memory above what is there before.
 template <class F>
 double grows_by(F&& f) {
   ::malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << 5;  // the most so far is what there is now
+  std::ofstream("/proc/self/clear_refs") << 5;  // resets the peak
   const double before = kibibytes("VmRSS:");
   f();
   return kibibytes("VmHWM:") - before;
 }
 
-// A row of three columns and its index are 32 bytes a member: of those that are kept a hundred blocks would show. What
-// blocks need while they are computed leaves holes between others, some mebibytes of them, however many blocks there
-// are.
+// A row of three columns and its index are 32 bytes a member: a hundred blocks of kept rows would show. The memory that
+// blocks need while they are computed leaves some MiB of holes in the heap, however many blocks there are.
 TEST(EnsembleMemory, DoesNotGrowWithTheMembers) {
   constexpr std::int64_t many = 120 * block_size;
   EnsemblePlan plan = test::ensemble_of("kepler", "leapfrog", 0.02);

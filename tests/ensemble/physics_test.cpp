@@ -1,4 +1,4 @@
-// What the literature computes with ensembles, reproduced.
+// Results of the literature that are computed with ensembles, reproduced.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,8 +49,8 @@ TEST(EnsemblePhysics, AThermostatKeepsTheMomentsOfItsDensity) {
   EXPECT_NEAR(s2, pi2 / 3, error * std::sqrt(7 * pi2 * pi2 / 15 - pi2 * pi2 / 9));
 }
 
-/// How far a tiny difference of two starts on the section x = 0 with ẏ = 0 at this energy grows: in a chaotic band
-/// exponentially, else as time does.
+/// henon_heiles_growth() returns how much a tiny difference of two starts on the section x = 0 with ẏ = 0 at this
+/// energy grows: exponentially in a chaotic band, else in proportion to time.
 double henon_heiles_growth(double energy, double y) {
   EnsemblePlan plan = test::ensemble_of("henon_heiles", "leapfrog", 1500);
   test::setting(plan, "composition") = 4;
@@ -99,7 +99,7 @@ TEST(EnsemblePhysics, SectionsOfHenonHeilesLieOnTheEnergySurface) {
   }
 }
 
-/// The spin–orbit problem with the parameters of a preset, and others in their place.
+/// spins() plans the spin–orbit problem with the parameters of a preset, some of them replaced by `others`.
 EnsemblePlan spins(std::string_view preset, double end, const std::map<std::string_view, double>& others = {}) {
   EnsemblePlan plan = test::ensemble_of("spin_orbit", "contact_splitting", end);
   auto scene = std::make_shared<Scene>(*plan.request.scene);
@@ -117,8 +117,8 @@ EnsemblePlan spins(std::string_view preset, double end, const std::map<std::stri
   return plan;
 }
 
-/// The spread of θ̇ over the points of each orbit that starts with q = 0 and θ̇ on a grid, seen once per period: over
-/// the first half of its points, and over all.
+/// spreads() returns the spread of θ̇ over the points of each orbit that starts with q = 0 and θ̇ on a grid, sampled
+/// once a period: over the first half of its points, and over all of them.
 std::vector<std::pair<double, double>> spreads(EnsemblePlan plan, double from, double to, std::int64_t count) {
   constexpr double turn = 2 * std::numbers::pi;
   test::setting(plan, "step") = turn / 32;
@@ -139,8 +139,9 @@ std::vector<std::pair<double, double>> spreads(EnsemblePlan plan, double from, d
   return all;
 }
 
-/// A shape that hardly changes, a moon that is nearly round: curves. About the synchronous resonance those of a
-/// pendulum of half-width √(2εW₂), within which θ̇ sways by as much on either side, and beyond which it only ripples.
+/// For a nearly round moon of nearly constant shape the orbits are curves. About the synchronous resonance they are
+/// those of a pendulum of half-width √(2εW₂): within it θ̇ oscillates by as much on either side, outside it only
+/// ripples.
 TEST(EnsemblePhysics, SpinsOfAFirmMoonStayOnCurves) {
   const auto all = spreads(spins("resonant_1", 1), 0.7, 1.3, 25);
   ASSERT_EQ(all.size(), 25u);
@@ -156,9 +157,9 @@ TEST(EnsemblePhysics, SpinsOfAFirmMoonStayOnCurves) {
   }
 }
 
-/// A moon far from round on an eccentric orbit: the resonances 1:1 and 3:2 overlap at their edges, and orbits of the
-/// chaotic band all wander over the whole of it. It grows with λ, and the islands move to (1 − λ²)^½/(1 + λ) of their
-/// place: what turns evenly is the angular momentum Cθ̇.
+/// For a moon far from round on an eccentric orbit the resonances 1:1 and 3:2 overlap, and every orbit of the chaotic
+/// band wanders over all of it. The band grows with λ, and the islands move to (1 − λ²)^½/(1 + λ) of their place,
+/// because what rotates evenly is the angular momentum Cθ̇.
 TEST(EnsemblePhysics, TheChaoticBandOfSpinsGrowsWithTheChangeOfShape) {
   const auto of = [](double lambda) {
     return spreads(spins("resonant_1", 1, {{"eccentricity", 0.06}, {"epsilon", 0.045}, {"lambda", lambda}}), 0.4, 2,
@@ -198,7 +199,7 @@ TEST(EnsemblePhysics, TheChaoticBandOfSpinsGrowsWithTheChangeOfShape) {
   EXPECT_NEAR(calmest(soft, 1.5 * shift), 1.5 * shift, 0.03) << "3:2";
 }
 
-/// Orbits that friction slows down from starts all around, by the preset `capture`: the 1:1 resonance catches them (all
+/// Friction slows down orbits from starts all around (the preset `capture`), and the 1:1 resonance captures them (all
 /// 4,096 of them when this was written).
 TEST(EnsemblePhysics, SpinsAreCapturedIntoTheSynchronousResonance) {
   EnsemblePlan plan = spins("capture", 4000);
@@ -216,8 +217,9 @@ TEST(EnsemblePhysics, SpinsAreCapturedIntoTheSynchronousResonance) {
   EXPECT_GT(share, 0.9) << share << " ± " << std::sqrt(share * (1 - share) / starts);
 }
 
-/// The cycle of every start, met where x rises through 0: its period from the last two crossings, by what is known of
-/// it: 2π(1 + ε²/16 − 5ε⁴/3072) for small ε (Andersen & Geer, SIAM J. Appl. Math. 42, 678 (1982)), then METHODS.md, 6.
+/// The limit cycle from every start, sampled where x rises through 0. The period, from the last two crossings, is
+/// compared with 2π(1 + ε²/16 − 5ε⁴/3072) for small ε (Andersen & Geer, SIAM J. Appl. Math. 42, 678 (1982)), else with
+/// METHODS.md, 6.
 TEST(EnsemblePhysics, ThePeriodOfVanDerPolGrowsAsIsKnown) {
   EnsemblePlan plan = test::ensemble_of("van_der_pol", "contact_splitting", 260);
   test::setting(plan, "composition") = 7;
@@ -236,9 +238,9 @@ TEST(EnsemblePhysics, ThePeriodOfVanDerPolGrowsAsIsKnown) {
   }
 }
 
-/// ẍ + 0.2 ẋ + sin x = 2 cos t: nearly every start ends turning one way or the other, once per period of the drive.
-/// Half a period later each of the two motions is the other one's mirror image, and the boundary of their basins is
-/// fractal.
+/// ẍ + 0.2 ẋ + sin x = 2 cos t: nearly every start ends in one of two motions that rotate one way or the other, once
+/// per period of the drive. Half a period later each is the mirror image of the other, and the boundary of their basins
+/// is fractal.
 TEST(EnsemblePhysics, BasinsOfTheDrivenPendulumHaveAFractalBoundary) {
   constexpr double turn = 2 * std::numbers::pi;
   constexpr int grid = 512, steps = 48, turns = 40;
@@ -246,14 +248,14 @@ TEST(EnsemblePhysics, BasinsOfTheDrivenPendulumHaveAFractalBoundary) {
   const auto pendulum = texts::mechanics_of(texts::damped(std::move(typed), "alpha"));
   EnsemblePlan plan = test::ensemble_of("damped_pendulum", "contact_splitting", 1);
   test::setting(plan, "step") = turn / steps;
-  const auto& variables = pendulum->card().variables;  // of scenes as text some are hidden
+  const auto& variables = pendulum->card().variables;  // some variables of scenes as text are hidden
   const std::vector<double> nothing(variables.size(), 0);
   const auto p = static_cast<std::size_t>(std::ranges::find(variables, "p", &VariableCard::name) - variables.begin());
   plan.request.scene = std::make_shared<const Scene>(Scene{pendulum, {2, 0.2}, nothing, 0});
   plan.request.until_steps = true;
   plan.final = true;
   test::set_columns(plan, {"p"});
-  // θ̇ at the end, of starts that lie so far to the right of those of the grid.
+  // θ̇ at the end, from starts that lie `aside` to the right of those of the grid.
   const auto ends = [&](double aside, int more_steps) {
     plan.request.steps = turns * steps + more_steps;
     test::set_members(plan, grid * grid,
@@ -279,7 +281,8 @@ TEST(EnsemblePhysics, BasinsOfTheDrivenPendulumHaveAFractalBoundary) {
   }
   EXPECT_GT(settled, 0.95 * grid * grid);
   EXPECT_GT(opposite, 0.999 * settled) << "half a turn later; the others pass by on their way";
-  // How many have a neighbour at a distance that ends elsewhere: a power of the distance, 1 for a smooth boundary.
+  // The number of starts with a neighbour at this distance that ends in the other motion is proportional to a power of
+  // the distance, which is 1 for a smooth boundary.
   const auto uncertain = [&](double distance) {
     const auto there = ends(distance, 0);
     int count = 0;

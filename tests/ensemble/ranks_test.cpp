@@ -1,4 +1,4 @@
-// Members that end leave their lanes to others, and nobody's bits tell.
+// Members that end give their lanes to others, which changes nobody's bits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,27 +10,27 @@ namespace {
 
 using namespace least;
 
-/// Starts of which some end early, at times of their own, and some do not.
+/// Leaving describes starts of which some end early, at different times, and some do not.
 struct Leaving {
   const char *problem, *scheme;
   double step;
   std::vector<Variation> vary;
 };
-/// Hénon and Heiles' members escape where their energy suffices; orbits that plunge towards the centre find the step
-/// too long there.
+/// Members of Hénon and Heiles escape where their energy suffices; for orbits that plunge towards the centre the step
+/// is too long there.
 std::vector<Leaving> all_that_leave() {
   return {{"henon_heiles", "leapfrog", 0.05, {{Varied::variable, 1, Spread::uniform, {-0.3, 0.6}}}},
           {"henon_heiles", "runge_kutta_4", 0.05, {{Varied::variable, 1, Spread::uniform, {-0.3, 0.6}}}},
           {"perturbed_kepler", "contact_leapfrog", 0.02, {{Varied::variable, 3, Spread::uniform, {0.1, 1.6}}}},
           {"perturbed_kepler", "contact_splitting", 0.02, {{Varied::variable, 3, Spread::uniform, {0.1, 1.6}}}},
-          // What follows from a damping of each member's own goes with it.
+          // Values that are derived from each member's own damping move with it to another lane.
           {"damped_kepler",
            "contact_splitting",
            0.02,
            {{Varied::variable, 0, Spread::values, {0.5}},
             {Varied::variable, 3, Spread::uniform, {0.1, 1.6}},
             {Varied::parameter, 1, Spread::uniform, {-1e-3, 1e-3}}}},
-          // The first ones begin beyond the saddle: of whole groups nobody is left.
+          // The first members begin beyond the saddle: whole groups end.
           {"henon_heiles", "leapfrog", 0.05, {{Varied::variable, 1, Spread::grid, {1.6, -0.3, 700}}}}};
 }
 EnsemblePlan ensemble_leaving(const Leaving& leaving) {
@@ -58,7 +58,7 @@ void expect_the_same(const Harvest& a, const Harvest& b, const std::string& name
   EXPECT_EQ(a.cost.force_evaluations, b.cost.force_evaluations) << name;
 }
 
-/// The members in blocks so small that each keeps its lane.
+/// in_small_blocks() runs the members in blocks so small that each keeps its lane.
 Harvest in_small_blocks(EnsemblePlan plan, const LaneUnit& unit) {
   Harvest all;
   constexpr std::int64_t few = 8;
@@ -72,7 +72,7 @@ Harvest in_small_blocks(EnsemblePlan plan, const LaneUnit& unit) {
 TEST(EnsembleRanks, ClosingThemChangesNoBit) {
   for (const Leaving& leaving : all_that_leave()) {
     EnsemblePlan plan = ensemble_leaving(leaving);
-    for (const char* plane : {"", "y - 0.2"}) {  // which some pass twice within a step
+    for (const char* plane : {"", "y - 0.2"}) {  // some pass it twice within a step
       if (*plane) test::set_plane(plan, plane, 0);
       const std::string name = std::string(leaving.problem) + " by " + leaving.scheme + " " + plane;
       const Harvest still = in_small_blocks(plan, lane_units().back());
@@ -85,9 +85,9 @@ TEST(EnsembleRanks, ClosingThemChangesNoBit) {
   }
 }
 
-// An oscillator that is driven away passes a plane twice within the first step after `until`, and with it run some that
-// leave at all times before `steps`: where a block is taken again, and where lanes are given to others, it counts where
-// each was a step before.
+// An anti-damped oscillator passes a plane twice within the first step after `until`, beside members that end at all
+// times before `steps`. Where a block is repeated, and where lanes are given to others, the position of each member one
+// step earlier must be kept.
 void expect_passages(int until, int turns, std::int64_t steps) {
   EnsemblePlan plan = test::ensemble_of("damped_oscillator", "contact_leapfrog", 1);
   const double period = (until + 0.5) / turns, turn = 2 * 3.141592653589793 / period, growth = 0.02;
@@ -125,7 +125,7 @@ TEST(EnsembleRanks, WhereTheyAreClosedNoPassageIsMissed) {
   expect_passages(250, 40, 252);
 }
 
-// Of scenes as text members are programs: against others that they meet in their lanes, and against a run.
+// Members of scenes as text are programs: they are compared with members in other lanes, and with a run.
 void expect_texts_to_be_alike(const Leaving& leaving) {
   EnsemblePlan plan = ensemble_leaving(leaving);
   const auto typed = texts::all();

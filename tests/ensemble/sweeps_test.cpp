@@ -1,4 +1,4 @@
-// Members that differ in parameters: in lanes each is the run that it is alone.
+// Members that differ in parameters: in lanes each is the same as alone.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,8 +33,8 @@ TEST(Sweeps, OfAllParametersAreAsAlone) {
   });
 }
 
-/// Values of a parameter about its own, with 0 and its opposite where they are allowed: a formula may be another one
-/// there.
+/// values_about() returns values of a parameter near its own, and 0 and its opposite where they are allowed, because
+/// formulas may branch there.
 std::vector<double> values_about(const ParameterCard& parameter, double at) {
   std::vector<double> values{at};
   for (const double other : {1.01 * at, 0.99 * at, 0.0, -at})
@@ -63,7 +63,7 @@ TEST(Sweeps, OfEveryParameterAreAsAlone) {
       EXPECT_EQ(wide.final_member, lone.final_member) << what;
       EXPECT_EQ(wide.cost.steps, lone.cost.steps) << what;
       const bool all = lone.ended[0] == static_cast<std::int64_t>(values.size());
-      if (all) {  // the forces of a step that fails are no member's in lanes
+      if (all) {  // in lanes, forces of a failed step belong to no member
         EXPECT_EQ(wide.cost.force_evaluations, lone.cost.force_evaluations) << what;
       }
       ASSERT_EQ(wide.final.size(), lone.final.size()) << what;

@@ -1,4 +1,4 @@
-// Scenes as text in lanes: a step that was written down has the bits of the scheme that wrote it.
+// Scenes as text in lanes: a step that is compiled for lanes has the bits of the scheme from which it was recorded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,8 @@ using text::Definition;
 constexpr auto typed_l = Definition::Kind::lagrangian, typed_h = Definition::Kind::hamiltonian,
                typed_v = Definition::Kind::potential;
 
-/// A scene from a start, in the order of the variables that the text has, under a scheme; steps on the grid and a bit.
+/// plan_of() plans a scene from a start, in the order of the text's variables, by a scheme; `steps` need not be a whole
+/// number.
 EnsemblePlan plan_of(const Definition& definition, std::string_view scheme, const std::vector<double>& start,
                      double step, double steps) {
   const auto mechanics = texts::mechanics_of(definition);
@@ -38,7 +39,7 @@ EnsemblePlan plan_of(const Definition& definition, std::string_view scheme, cons
   plan.request.end = scene.start + steps * step;
   return plan;
 }
-/// Starts about that of the scene.
+/// vary_starts() spreads the members' starts about that of the scene.
 void vary_starts(EnsemblePlan& plan, std::int64_t count) {
   std::vector<Variation> vary;
   const auto& variables = plan.request.scene->card().variables;
@@ -53,9 +54,9 @@ struct TextInLanes {
   const char* name;
   Definition definition;
   std::vector<double> start;
-  bool exact;  ///< without functions that the C library has with other bits
+  bool exact;  ///< no functions with other bits in the C library
 };
-/// One of each form.
+/// forms_in_lanes() returns one scene of each form.
 std::vector<TextInLanes> forms_in_lanes() {
   using texts::of;
   return {
@@ -98,7 +99,8 @@ std::vector<TextInLanes> forms_in_lanes() {
        false},
   };
 }
-/// f(plan, name, whether functions are exact) of every form by every scheme of lanes that fits, with compositions.
+/// for_each_text_in_lanes() calls f(plan, name, exact) for every form by every scheme of lanes that fits, with
+/// compositions; `exact` as in TextInLanes.
 template <class F>
 void for_each_text_in_lanes(F&& f) {
   for (const TextInLanes& text : forms_in_lanes()) {
@@ -143,7 +145,7 @@ TEST(TextLanes, HaveTheBitsOfLoneRuns) {
     ASSERT_TRUE(first) << name;
     EXPECT_EQ(first->ended[0], 70) << name;
     for (const LaneUnit& unit : lane_units()) EXPECT_EQ(in_lanes(plan, unit)->final, first->final) << name;
-    plan.first = 66;  // in another place of the pack
+    plan.first = 66;  // in other lanes of a register
     plan.last = 69;
     const Harvest few = in_lanes(plan, lane_units().front()).value();
     const auto columns = static_cast<std::ptrdiff_t>(plan.request.columns.size());
@@ -187,7 +189,7 @@ TEST(TextLanes, HaveStatisticsOfLoneRunsAndColumnsOfTheirStates) {
   }
 }
 
-/// Values at which the formula has another shape among those at which it has not.
+/// The members include values of parameters at which the recorded formula has another shape.
 TEST(TextLanes, HaveParametersOfTheirOwn) {
   const auto power = texts::of(typed_v, {"x", "y"}, {{"n", 3}, {"m", 1}, {"a", 0}}, "x^n/m + m*y^2 + a*x*y + y^4");
   for (const char* scheme : {"leapfrog", "runge_kutta_4"}) {
@@ -227,7 +229,7 @@ TEST(TextLanes, HaveParametersOfTheirOwn) {
   }
 }
 
-/// Where hardly two members have the same operations there is nothing to share.
+/// Where hardly two members have the same operations, nothing can be shared between lanes.
 TEST(TextLanes, AreLeftWhereMembersAreNotAlike) {
   const auto powers = texts::of(typed_v, {"x", "y"}, {{"n", 3}, {"m", 3}}, "x^2/2 + y^2 + x^n + y^m");
   EnsemblePlan plan = plan_of(powers, "leapfrog", {0.3, 0.2, 0.1, 0}, 0.02, 1);
@@ -297,7 +299,7 @@ TEST(TextLanes, EndEachForItself) {
   plan.request.limits.steps = 10;
   EXPECT_EQ(in_lanes(plan, lane_units().front())->ended[static_cast<std::size_t>(ReturnCode::step_limit)], 90);
   const auto quadratic = texts::quadratic(texts::of(typed_v, {"q"}, {{"g", 1}}, "q^2/2"), "g", "1");
-  for (const char* scheme : {"contact_splitting", "contact_leapfrog"}) {  // why they end costs a lone run a lot
+  for (const char* scheme : {"contact_splitting", "contact_leapfrog"}) {  // in a run alone their diagnosis is expensive
     plan = plan_of(quadratic, scheme, {0.5, 0.3, 0}, 0.05, 100.4);
     const auto s = plan.request.scene->card().variables.size() - 1;
     test::set_members(plan, 8, {{Varied::variable, s, Spread::grid, {-50, 0, 8}}});
@@ -312,8 +314,8 @@ TEST(TextLanes, EndEachForItself) {
   EXPECT_GT(lanes.ended[0], 0);
 }
 
-// What is no number behind an `and` whose first part is false, or behind an `or` whose first part is true, is not asked
-// for.
+// The second operand of an `and` whose first is false, or of an `or` whose first is true, may be undefined: it is not
+// evaluated.
 TEST(TextLanes, GoOnWhereNoNumberIsAskedFor) {
   for (const char* text : {"if(x > 0.1 and log(x) < 9 + x, x, 2*x)", "if(x < 0.1 or x*log(x) < 9, x, 2*x)"}) {
     EnsemblePlan plan = plan_of(texts::of(typed_v, {"x"}, {}, text), "leapfrog", {0.5, 0}, 0.01, 300);
@@ -325,7 +327,7 @@ TEST(TextLanes, GoOnWhereNoNumberIsAskedFor) {
   }
 }
 
-// A choice by what is no number ends a member as it ends a run: x falls from 1/2 through 0.
+// A choice by an undefined value ends a member as it ends a run: x falls from 1/2 through 0.
 TEST(TextLanes, StopWhereAChoiceIsByNoNumber) {
   for (const char* text :
        {"if(log(x) < 9, x, x^2)", "x*min(1, 9 - log(x))", "if(2*sqrt(x) < 9, x, x^2)", "if(log(x) < 9 + x, x, x^2)",

@@ -1,4 +1,4 @@
-// Trajectories of members, in lanes and alone: the same rows, also beside a section, and of members that stop.
+// Trajectories of members, in lanes and alone: the same rows, also beside a section, and for members that stop.
 #include <gtest/gtest.h>
 
 #include "tests/support/ensembles.hpp"
@@ -7,7 +7,7 @@ namespace {
 
 using namespace least;
 
-/// Orbits of which some fall so near to the centre that their steps fail, and some leave at once.
+/// Orbits of which some fall so near to the centre that their steps fail, and some end at once.
 EnsemblePlan orbits(Record record) {
   EnsemblePlan plan = test::ensemble_of("kepler", "leapfrog", 6.02);
   test::setting(plan, "step") = 0.05;
@@ -48,7 +48,7 @@ TEST(MemberTrajectories, AreTheSameInLanesAndAlone) {
 // The last row of a grid that ends where the run does is the final state.
 TEST(MemberTrajectories, EndInTheFinalState) {
   EnsemblePlan plan = orbits({Record::Mode::every, 1, {}});
-  plan.request.end = 0.3;  // six times the step, but for rounding
+  plan.request.end = 0.3;  // six times the step, up to rounding
   for (const Harvest& all : {test::alone(plan), test::in_lanes(plan, lane_units().back()).value()}) {
     ASSERT_EQ(all.trajectories.rows.back(), 7);
     const auto& rows = all.trajectories.values;

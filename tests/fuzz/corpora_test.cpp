@@ -1,4 +1,4 @@
-// The targets of the fuzzer over what it has found worth keeping, and over what once broke them.
+// The targets of the fuzzer over the bytes it has found worth keeping, and over those that once broke them.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -31,7 +31,7 @@ TEST_P(Corpus, HoldsNothingThatBreaksItsTarget) {
 INSTANTIATE_TEST_SUITE_P(Of, Corpus, testing::ValuesIn(targets),
                          [](const auto& each) { return std::string(each.param.name); });
 
-// As many as there are, and some of them again. On a busy machine there may be no time to choose a scheme.
+// Covers all good requests, some of them twice. On a busy machine there may be no time to choose a scheme.
 TEST(Values, BeginWithGoodRequests) {
   for (char first = 0; first < 40; ++first) {
     int status = 422;
@@ -40,7 +40,7 @@ TEST(Values, BeginWithGoodRequests) {
   }
 }
 
-// What bytes choose is mostly good: half of it runs, or the target would see little but refusals.
+// Random choices are mostly good: half of the requests run, because the target would learn little from refusals.
 TEST(Values, MostlyRun) {
   std::minstd_rand random(1);
   std::map<int, int> found;

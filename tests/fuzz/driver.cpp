@@ -1,5 +1,5 @@
-// A target of libFuzzer's: LEAST_FUZZ_TARGET names it. The code under test is compiled by g++, which calls what stands
-// here at every branch; libFuzzer reads counters in a section of this name.
+// A target for libFuzzer: LEAST_FUZZ_TARGET names it. The code under test is compiled by g++, which calls the function
+// below at every branch; libFuzzer reads counters in a section of this name.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace {
 
-// A byte for each place of the code, as far as their addresses differ in these bits.
+// A byte for each place in the code, as far as the addresses differ in these bits.
 [[gnu::section("__libfuzzer_extra_counters")]] std::array<std::uint8_t, 1 << 16> counters;
 
 }  // namespace
@@ -21,7 +21,7 @@ extern "C" {
   const auto place = reinterpret_cast<std::uintptr_t>(__builtin_return_address(0));
   ++counters.data()[(place ^ place >> 16) % counters.size()];
 }
-// Comparisons of numbers that are not whole ones, of which libFuzzer knows nothing.
+// Comparisons of floating-point numbers, which libFuzzer does not know.
 void __sanitizer_cov_trace_cmpf(float, float);  // NOLINT: as above
 void __sanitizer_cov_trace_cmpf(float, float) {}
 void __sanitizer_cov_trace_cmpd(double, double);  // NOLINT: as above

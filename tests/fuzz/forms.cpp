@@ -20,7 +20,8 @@ std::vector<double> numbers_of(std::string_view bytes) {
   return numbers;
 }
 
-// Columns of numbers are typed arrays, in which NaN stands for no value; JSON has null for all that is not finite.
+// Columns of numbers are typed arrays, in which NaN stands for a missing value; JSON has null for all that is not
+// finite.
 Json of_binary(const std::string& body) {
   Json answer = Json::from_cbor(body, true, true, Json::cbor_tag_handler_t::store);
   for (auto& column : answer["trajectory"]) {
@@ -48,7 +49,7 @@ Json of_lines(const FinishedRun& run, std::span<const double> rows, std::size_t 
   return answer;
 }
 
-// Whatever the order of the members, and whether a number was written as a whole one.
+// Independent of the order of members, and of whether a number was written as a whole number.
 void ensure_same(const Json& a, const Json& b, const std::string& what) {
   ensure(nlohmann::json(a) == nlohmann::json(b), what);
 }
@@ -61,7 +62,7 @@ void forms(std::string_view bytes) {
     return decode(std::move(*parsed), server::test::cards(), {})->run;
   }();
   const auto middle = std::min(bytes.find('|'), bytes.size());
-  // A text that is whole: what is no UTF-8 in it is replaced.
+  // A valid text: bytes that are not UTF-8 are replaced.
   const Json text =
       Json::parse(Json(std::string(bytes.substr(0, middle))).dump(-1, ' ', false, Json::error_handler_t::replace));
   std::vector<double> numbers = numbers_of(bytes.substr(std::min(middle + 1, bytes.size())));

@@ -11,7 +11,7 @@ namespace {
 
 using namespace least::server;
 
-// Small: what lies at a bound comes soon.
+// Small, so that bounds are reached soon.
 constexpr RequestBounds narrow{{96, 24, 4}, 16};
 constexpr RequestBounds wide{{4096, 1024, 20}, 1024};
 
@@ -54,7 +54,7 @@ bool is_same(const Message& a, const Message& b) {
          a.keep_alive == b.keep_alive;
 }
 
-// As a proxy would pass it on that leaves no doubt.
+// strictly() writes a message as a proxy would pass it on, without any ambiguity.
 std::string strictly(const Message& message) {
   const RequestHead& head = message.head;
   std::string text = head.method + ' ' + head.path + (head.query.empty() ? "" : "?" + head.query);
@@ -81,7 +81,7 @@ void check(const Message& message) {
   }
   const Heard again = hear(strictly(message), 4096, wide);
   ensure(!again.refused && again.messages.size() == 1, "no request when it is written down strictly");
-  const bool absolute = head.count("host") == 0;  // of HTTP/1.0, where nothing else says the authority
+  const bool absolute = head.count("host") == 0;  // HTTP/1.0, where only an absolute target names the authority
   ensure(absolute || is_same(again.messages.front(), message), "another request when it is written down strictly");
 }
 

@@ -59,7 +59,7 @@ void request(std::string_view bytes) {
   try {
     check(bytes);
   } catch (const std::runtime_error& e) {
-    // A build with a few forms says so where another one is needed.
+    // A build with few forms says so where another one is needed.
     if (!std::string_view(e.what()).starts_with("this build leaves out")) throw;
   }
 }

@@ -1,5 +1,5 @@
-// What holds whatever bytes come: each target takes any, and throws where it does not hold. `./dev fuzz` looks for
-// bytes that break it; corpora_test.cpp goes over those that were worth keeping.
+// Properties that hold for all bytes: each target takes any bytes, and throws where its property fails. `./dev fuzz`
+// looks for bytes that break one; corpora_test.cpp runs the targets over the bytes that were kept.
 #pragma once
 
 #include <span>
@@ -9,31 +9,32 @@
 
 namespace least::fuzz {
 
-/// Bytes of a client: however they are cut, the same requests come of them, within their bounds, and what was taken
-/// for a request is one when it is written down strictly.
+/// guard() takes the bytes of a client: however they are cut, they give the same requests within their bounds, and what
+/// was accepted as a request is one when it is written down strictly.
 void guard(std::string_view bytes);
 
-/// JSON: what is read is echoed as a request that is read as the same; what is refused is refused in a document.
+/// request() takes JSON: an accepted request is echoed as one that is read as the same; a refused one is refused in a
+/// document.
 void request(std::string_view bytes);
 
-/// A field `Accept`: of what is offered the best is taken, whatever else is offered.
+/// accept() takes a field `Accept`: the best of the offered forms is chosen, whatever else is offered.
 void accept(std::string_view bytes);
 
-/// Numbers and a text: JSON, CBOR and lines say the same of them.
+/// forms() takes numbers and a text: JSON, CBOR and lines say the same of them.
 void forms(std::string_view bytes);
 
-/// A formula: printed from its tape and read again it has the same value, its faults lie within it, its MathML is
-/// well-formed.
+/// formula() takes a formula: printed from its tape and read again it has the same value, its faults lie within it, and
+/// its MathML is well-formed.
 void formula(std::string_view bytes);
 
-/// Choices: which values of a good request are replaced, and by what. What is read runs, for a short time, as the
-/// service runs it: the answer is whole, and a refusal says why.
+/// values() takes choices of which values of a good request are replaced, and by what. An accepted request runs, for a
+/// short time, as in the service: the answer is whole, and a refusal says why.
 void values(std::string_view bytes);
-/// The status of that answer; 0 where the build leaves out what it takes.
+/// status_of_values() returns the status of that answer; 0 where this build leaves out what the request needs.
 int status_of_values(std::string_view bytes);
 
 struct Target {
-  std::string_view name;  ///< and that of its folder in tests/fuzz/corpus
+  std::string_view name;  ///< also of its folder in tests/fuzz/corpus
   void (*check)(std::string_view bytes);
 };
 inline constexpr Target targets[] = {{"guard", guard}, {"request", request}, {"accept", accept},

@@ -133,7 +133,7 @@ constexpr std::array bases{
         "members":{"vary":{"/problem/mu":{"values":[0.9,1,1.1]}}},"columns":["t","x","energy"]})js"},
 };
 
-// Bytes as choices; when they are over, the first of what can be chosen.
+// Choices takes bytes as choices; when there are no more bytes it makes the first choice.
 class Choices {
  public:
   explicit Choices(std::string_view bytes) : bytes_(bytes) {}
@@ -158,7 +158,7 @@ void collect(Json& node, std::vector<Json*>& all) {
     for (Json& child : node) collect(child, all);
 }
 
-// Most of them are values that somebody might mean.
+// number() mostly returns values that somebody might mean.
 Json number(const Json& was, Choices& choices) {
   constexpr double modest[] = {1, 2, 3, 0.5, 0.1, 0.01, 1e-3, 7, 100, 0},
                    extreme[] = {-1,    1e308,  -1e308, 1e-308, 5e-324, 1e15, -0.0,
@@ -186,7 +186,7 @@ Json number(const Json& was, Choices& choices) {
 
 using Names = std::vector<std::string_view>;
 
-// What may stand in each other's place; the last are expressions.
+// Names that may replace each other; the last group are expressions.
 const std::vector<Names>& kinds_of_names() {
   static const std::vector<Names> kinds{
       {"leapfrog", "variational_midpoint", "galerkin_4", "contact_leapfrog"},
@@ -213,7 +213,7 @@ const std::vector<Names>& kinds_of_names() {
   return kinds;
 }
 
-// A name takes the place of one of its kind, seldom of another.
+// text() replaces a name by one of its kind, rarely by another.
 Json text(const std::string& was, Choices& choices) {
   const auto& kinds = kinds_of_names();
   auto kind = std::ranges::find_if(kinds, [&](const Names& names) { return std::ranges::count(names, was) > 0; });
@@ -222,7 +222,7 @@ Json text(const std::string& was, Choices& choices) {
   return choices.of(*kind);
 }
 
-// A list becomes shorter by one, or longer by its own elements.
+// change_length() removes an element of a list, or repeats it.
 void change_length(Json& list, Choices& choices) {
   if (list.empty()) return;
   constexpr std::size_t more[] = {0, 1, 40};
@@ -232,7 +232,7 @@ void change_length(Json& list, Choices& choices) {
   for (std::size_t i = 0; i < times; ++i) list.push_back(element);
 }
 
-// A member is gone, or is there under the name of another one or an unknown one, too.
+// change_members() removes a member, or copies it to the name of another one or to an unknown one.
 void change_members(Json& object, Choices& choices) {
   if (object.size() < 2) return;
   auto member = object.begin();
@@ -248,7 +248,7 @@ void change_members(Json& object, Choices& choices) {
 void mutate(Json& request, Choices& choices) {
   std::vector<Json*> all;
   collect(request, all);
-  // Numbers more often than what else there is: most of what they can be is taken.
+  // Numbers are chosen more often than the rest, because most replacements of numbers are accepted.
   for (std::size_t i = 0, count = all.size(); i < count; ++i)
     if (all[i]->is_number()) all.insert(all.end(), 4, all[i]);
   Json& node = *all[choices.below(all.size())];
@@ -265,7 +265,7 @@ void mutate(Json& request, Choices& choices) {
   }
 }
 
-// The whole body, as a client gets it that takes all there is.
+// body_of() returns the whole body, as a client gets it that reads everything.
 std::string body_of(Answer& answer) {
   std::string body = std::move(answer.body);
   if (answer.stream) {

@@ -18,7 +18,7 @@ using namespace least::problems;
 using contact::data, contact::orbits, contact::request_for;
 using nlohmann::json;
 
-/// A number, or one of the few expressions that parameters are given as.
+/// number() reads a number, or one of the few expressions that are used for parameters.
 Quad number(const std::string& text) {
   const Quad pi = parse<Quad>("3.14159265358979323846264338327950288");
   if (text == "pi") return pi;
@@ -31,7 +31,8 @@ Quad number(const std::string& text) {
 }
 Quad quad(const json& text) { return number(text.get<std::string>()); }
 
-/// Which component of the state a column of the reference is; −1: none (s where the motion does not read it, a slope).
+/// component() returns which component of the state a column of the reference is; −1 for none (s where the motion does
+/// not depend on it, or a slope).
 template <template <class> class P>
 int component(const std::string& variable) {
   const ProblemCard card = About<P>::card();
@@ -43,9 +44,9 @@ int component(const std::string& variable) {
 template <class X>
 using Path = std::vector<X>;
 
-/// What `solve(problem)` would give for parameters of quad precision, which problems do not take: its value at the
-/// nearest doubles, and from there linear in each parameter, by the next double. What is left is of second order in the
-/// spacing of doubles.
+/// with_exact_parameters() returns what `solve(problem)` would give for parameters in quad precision, which problems do
+/// not take: the value at the nearest doubles, corrected linearly in each parameter by means of the next double. The
+/// error is of second order in the spacing of doubles.
 template <template <class> class P, class Solve>
 auto with_exact_parameters(const json& entry, Solve&& solve) {
   using M = P<double>;
@@ -80,7 +81,8 @@ StateOf<P<double>, Quad, Quad> start(const json& entry) {
   return x;
 }
 
-/// Largest difference from the reference in the components there are, relative to the larger of 1 and the state.
+/// difference() returns the largest difference from the reference in the components there are, relative to the larger
+/// of 1 and the state.
 template <template <class> class P, class X>
 double difference(const X& x, const json& variables, const json& state) {
   double most = 0, size = 1;
@@ -93,7 +95,7 @@ double difference(const X& x, const json& variables, const json& state) {
   return most / size;
 }
 
-/// The project's own reference integrator, up to the time `last`.
+/// check_integrator() checks the project's own reference integrator up to the time `last`.
 template <template <class> class P>
 void check_integrator(const std::string& id, double last, double tolerance) {
   using X = StateOf<P<double>, Quad, Quad>;
@@ -130,7 +132,7 @@ void check_closed_form(const std::string& id, double tolerance) {
   }
 }
 
-/// A run in double with every column, against the states up to the time `last`.
+/// check_run() checks a run in double with every column against the states up to the time `last`.
 void check_run(const json& entry, Request request, double last, double tolerance) {
   const auto& card = runs::card(request);
   runs::show_all(request);
@@ -224,7 +226,7 @@ json lane_emden(const json& polytrope) {
     entry["states"].push_back({{"t", state.at("t").dump()}, {"state", state.at("state")}});
   return entry;
 }
-/// From the regular start; past the zero with the plain power, where that is a number.
+/// From the regular start; past the zero with the plain power, where that is defined.
 TEST(ContactReference, LaneEmden) {
   for (const auto& polytrope : data().at("lane_emden")) {
     const double n = polytrope.at("n");

@@ -38,7 +38,7 @@ StateOf<P, Quad, Quad> start(const json& entry) {
   return x;
 }
 
-/// Largest difference from the reference, relative to the larger of 1 and the state.
+/// difference() returns the largest difference from the reference, relative to the larger of 1 and the state.
 template <class P>
 double difference(const StateOf<P, Quad, Quad>& x, const json& reference) {
   double most = 0, size = 1;
@@ -71,7 +71,7 @@ void check_integrator(const std::string& name, double tolerance) {
   }
 }
 
-// The start of the orbits below is printed to 20 digits; a period at high eccentricity multiplies what is missing.
+// The start of the orbits below has 20 digits; a period at high eccentricity magnifies its rounding.
 TEST(Reference, KeplerInClosedForm) {
   check_closed_form<Kepler<>>("kepler_seed", 1e-14);  // the last state lies 1,000 periods on
   check_closed_form<Kepler<>>("kepler_seed_retro", 1e-17);

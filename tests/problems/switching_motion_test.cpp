@@ -10,7 +10,7 @@ namespace {
 
 const auto to_the_end = [] { return true; };
 
-/// A ball in V = |x| + x²/2: cosines about −1 and about 1 in turns.
+/// A ball in V = |x| + x²/2: cosines about −1 and about 1, by turns.
 struct BetweenSlopes {
   static constexpr int dim = 2;
   template <class T, class S>
@@ -58,7 +58,7 @@ TEST(SwitchingMotion, IsTheReference) {
     EXPECT_NEAR(run.states[i][0], static_cast<double>(between_slopes(times[i])), 4e-16) << times[i];
 }
 
-/// ẍ = 1 − x, and a wall below 0, which x = 1 + cos t touches again and again, and does not meet.
+/// ẍ = 1 − x with a wall below 0, which x = 1 + cos t touches again and again without crossing it.
 struct Touching {
   static constexpr int dim = 2;
   template <class T, class S>
@@ -74,7 +74,7 @@ TEST(SwitchingMotion, StaysOnItsSideWhereItOnlyTouches) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(run.states[i][0], 1 + std::cos(run.states[i].t), 1e-15);
 }
 
-// To whichever side it goes from there.
+// The motion may go to either side from there.
 TEST(SwitchingMotion, MayBeginOnABorder) {
   for (const double v : {1.0, -1.0}) {
     const auto run = quad_precision_run(BetweenSlopes{}, Point<2>{0, {0, v}}, {0.25}, to_the_end);
@@ -116,7 +116,7 @@ struct EndsAsARoot {
   }
 };
 
-// From there the motion is straight, at the speed that its energy v²/2 + q^2.5/2.5 leaves it.
+// From q = 0 on the motion is straight, with the speed that its energy v²/2 + q^2.5/2.5 gives it.
 TEST(SwitchingMotion, IsLeftToOthersWhereNoSeriesLeadsOn) {
   const auto run = quad_precision_run(EndsAsARoot{}, Point<2>{0, {1, 0}}, {1, 3, 4}, to_the_end);
   ASSERT_TRUE(run.complete);

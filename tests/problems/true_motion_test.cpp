@@ -1,4 +1,4 @@
-// The series behind reference solutions against extrapolation in quad, which knows nothing of tapes.
+// The series behind reference solutions against extrapolation in quad precision, which does not use tapes.
 #include <gtest/gtest.h>
 
 #include "core/reference/reference.hpp"
@@ -6,7 +6,7 @@
 namespace least {
 namespace {
 
-/// Every rule of a tape, of arguments that move.
+/// Every rule of a tape, with arguments that change.
 struct EveryRule {
   static constexpr int dim = 15;
   template <class T, class S>
@@ -64,7 +64,7 @@ struct BlowUp {
 };
 const auto always = [] { return true; };
 
-// The unit of time follows the motion, so that neither 1e±300 in a coefficient nor a singularity ends it early.
+// The unit of time adapts to the motion, so that neither coefficients of 1e±300 nor a singularity end it early.
 TEST(TrueMotion, GoesOnAtEveryScaleAndEndsAtASingularity) {
   for (const double start : {1e-60, 1e-3, 1.0, 1e40}) {
     const Point<1> x0{0, {start}};
@@ -98,7 +98,7 @@ struct Chaos {
   }
 };
 
-// The two runs go side by side: what is told is how far they are apart, and the states are those of the finer.
+// The two runs advance together: the result is their distance, and the states of the finer one.
 TEST(TrueMotion, TellsHowFarTwoRunsAreApart) {
   const Point<3> x0{0, {1, 1, 1}};
   std::vector<double> times;
@@ -120,8 +120,8 @@ TEST(TrueMotion, GivesUpWhenTold) {
   EXPECT_EQ(left, 0);
 }
 
-/// A force that is switched on when all digits of its series are zero, after a rest; and one of which there is none at
-/// the start, or at a place on the way.
+/// Forces that a series does not show: one that is switched on, and a later pulse, while all digits of the series at
+/// the start are zero.
 struct Late {
   static constexpr int dim = 1;
   template <class T, class S>
@@ -131,7 +131,7 @@ struct Late {
     return {T(1.0 + tanh(20.0 * (t - 10.0)) + exp(-(t - 30.0) * (t - 30.0)))};
   }
 };
-/// A pulse at 20 that is gone long before a step from rest ends.
+/// A pulse at t = 20 that is over long before a step from rest ends.
 struct Pulse {
   static constexpr int dim = 1;
   template <class T, class S>
@@ -173,7 +173,7 @@ TEST(TrueMotion, LeavesToOthersWhatHasNoSeries) {
   EXPECT_EQ(run.states.at(0)[0], 0);
 }
 
-/// A kink that the motion does not come to.
+/// A kink that the motion does not reach.
 struct Kink {
   static constexpr int dim = 1;
   template <class T, class S>
@@ -191,7 +191,7 @@ TEST(TrueMotion, GoesOnBesideAKink) {
   EXPECT_EQ(other.states[0][0], run.states[0][0]);
 }
 
-// Twice the digits of a double, of what a tape is made of.
+// Double-double numbers, with twice the digits of a double, which the tapes of references use.
 TEST(DoubleDouble, RoundsAtItsHundredAndSixthBit) {
   const auto wide = [](const DoubleDouble& x) { return Quad(x.high()) + Quad(x.low()); };
   std::uint64_t bits = 1;
@@ -215,7 +215,7 @@ TEST(DoubleDouble, RoundsAtItsHundredAndSixthBit) {
   }
 }
 
-// Of any length, as terms are taken by fours and what is left over alone.
+// Series of any length, as terms are taken in fours and the rest one by one.
 TEST(DoubleDouble, ConvolvesToItsLastBits) {
   const auto wide = [](const DoubleDouble& x) { return Quad(x.high()) + Quad(x.low()); };
   std::vector<DoubleDouble> a, b;

@@ -1,5 +1,5 @@
-// Clients whose requests are heavy: scenes as text of which much more follows, sections with more points than may be
-// kept, and lines that are read slowly. Each counts what it met.
+// Clients with heavy requests: explosive scenes as text, sections with more points than may be kept, and lines that are
+// read slowly. Each counts what it met.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,8 @@
 
 namespace least::server::test {
 
-// By how many seconds the service computed for longer than it was asked to, at most, over all answers of a kind.
+// Overrun is the largest time in seconds by which the service computed for longer than asked, over all answers of a
+// kind.
 class Overrun {
  public:
   void add(const Reply& reply, double asked) {
@@ -42,24 +43,24 @@ class HeavyClients {
  public:
   HeavyClients(int port, const std::atomic<bool>& ending) : port_(port), ending_(ending) {}
 
-  // Every scene in turn, every way to ask for something derived from it, each for a tenth of a second.
+  // Every scene in turn, with every question about it, each for a tenth of a second.
   void ask_for_explosive_scenes(int first) {
     const std::vector<Explosive> scenes = ExplosiveTexts::all();
     for (std::size_t i = static_cast<std::size_t>(first); !ending_; ++i) {
-      // One question further with each scene, and one more after all of them, so that each scene meets each question.
+      // Each scene takes the next question, and after all scenes one more, so that each scene meets each question.
       const std::vector<Question> all = questions(scenes[i % scenes.size()], "0.1");
       const Question& question = all[(i + i / scenes.size()) % all.size()];
       const auto reply = answer_to(post(question.path, question.body));
       if (!reply) continue;
       explosive.add(*reply, 0.1);
-      // 422: the scheme does not fit, or what follows takes too many operations.
+      // 422: the scheme does not fit, or the derived formulas take too many operations.
       const bool known = reply->status == 200 || reply->status == 422 || reply->status == 503;
       if (!known || !nlohmann::json::accept(reply->body)) ++wrong;
     }
   }
 
-  // Many members that cross a section many times, within a second; of the last of these sections, which is computed in
-  // less, megabytes are kept and read.
+  // Many members that cross a section many times, within a second; the last of these sections takes less, and megabytes
+  // of it are kept and read.
   void ask_for_sections(int) {
     const std::string begin = R"({"problem":"harmonic_oscillator","scheme":{"id":"leapfrog","step":0.05},
         "keep":["section"],"columns":["q","p"],"limits":{"seconds":1,"samples":1000000},)",
@@ -78,7 +79,7 @@ class HeavyClients {
     }
   }
 
-  // 90 kB in a second, half again as many as a client has to take: the run is over long before its lines are read.
+  // 90 kB a second, half more than a client has to take: the run is over long before its lines are read.
   void read_slowly(int) {
     const std::string request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","record":{"every":1},
         "columns":["t","x"],"limits":{"seconds":60},"until":{"steps":80000}})",
@@ -118,7 +119,7 @@ class HeavyClients {
     return reply;
   }
 
-  // The body without its coding in chunks, as far as it came.
+  // lines_in() returns the body without its chunked coding, as far as it arrived.
   static std::string lines_in(std::string_view bytes) {
     std::string lines;
     auto at = bytes.find("\r\n\r\n");
@@ -132,7 +133,7 @@ class HeavyClients {
   }
 
   // Every line is JSON, and the last one is the end: of the whole run, or of one that was ended because too many
-  // clients were behind at once. Nothing else may end it.
+  // clients were slow at once. Nothing else may end it.
   void judge(std::string_view lines) {
     nlohmann::json last;
     bool good = lines.ends_with('\n');

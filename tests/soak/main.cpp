@@ -1,5 +1,5 @@
-// soak [SECONDS]: the built service under every kind of client at once, for ten minutes unless told otherwise. Prints a
-// table of what they met; exit code 1 where something did not hold.
+// soak [SECONDS]: the built service with every kind of client at once, for ten minutes unless told otherwise. Prints a
+// table of what they met; exit code 1 where a bound was exceeded.
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -106,13 +106,14 @@ class Soak {
     };
     std::printf("| | measured | at most |\n|---|---|---|\n");
     row("/healthz, 99 of 100 within", health_.quantile(0.99) * 1e3, "ms", 50);
-    // No place is taken away from a run: it waits for one of those of explosive scenes or sections, up to half a
+    // No run loses its place: a small run waits for the end of one of an explosive scene or a section, up to half a
     // second.
     row("a small run of one client, 99 of 100 within", small_.quantile(0.99) * 1e3, "ms", 500);
     row("the longest wait of 64 clients in a closed loop", waits_.quantile(1), "s", 2);
     row("memory beyond the budget of answers", (most_memory_ * 1024 - static_cast<double>(budget)) / 1e6, "MB", 100);
-    // A worker for each core, four more; one for each client of lines that may be behind, which two of the downloads
-    // are; and those of ensembles, of which as many compute at once as there are cores, with as many threads each.
+    // A worker for each core and four more; one for each client of lines that may be behind, including two of the
+    // downloads; and the threads of ensembles, of which as many compute at once as there are cores, each with as many
+    // threads.
     const double cores = std::thread::hardware_concurrency();
     row("threads", most_threads_, "", cores + 4 + 2 + slow_readers + cores * cores);
     row("an explosive scene, beyond the 0.1 s asked for", heavy_.explosive.longest(), "s", 1);
@@ -143,13 +144,13 @@ class Soak {
            seconds + "}}";
   }
 
-  // One answer, timed where it counts. False: the connection is over.
+  // ask_for() takes one answer, and its time where `waits` is given. It returns false where the connection is over.
   bool ask_for(Client& client, const std::string& request, Waits* waits, bool runs) {
     const auto from = Clock::now();
     if (!client.send(request)) return false;
     const auto reply = client.receive();
     if (!reply) {
-      // An idle connection may be closed while a request is on its way; within an answer none may.
+      // An idle connection may be closed while a request is on its way, but not within an answer.
       if (!ending_) ++counts_.lost;
       return false;
     }
@@ -161,7 +162,7 @@ class Soak {
     return reply->fields.at("connection") == "keep-alive";
   }
 
-  // Five hundred who send a byte of a head now and then.
+  // Five hundred clients that send a byte of a request head now and then.
   void drip_requests(int) {
     std::list<Client> slow;
     const std::string request = get("/healthz");
@@ -189,7 +190,8 @@ class Soak {
                                      "Accept: application/x-ndjson\r\n"};
     while (!ending_) {
       Client client(port_);
-      // Four drip, twice as fast as they have to; of one of them the run is behind, and lends its place and thread.
+      // Four read slowly, twice as fast as they have to; one of these is of a run that waits for its reader, and lends
+      // its place and thread.
       client.send(post("/v1/simulate", large_run, forms[i % 4]));
       if (i >= 4) {
         while (!ending_ && client.some(1300)) std::this_thread::sleep_for(10ms);
@@ -235,7 +237,7 @@ class Soak {
     }
   }
 
-  // A number of /proc/…/status; kibibytes, where it is memory.
+  // status() returns a number of /proc/…/status; kibibytes where it is memory.
   double status(const std::string& name) const {
     std::ifstream file("/proc/" + std::to_string(service_.id()) + "/status");
     double value = 0;

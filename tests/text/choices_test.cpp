@@ -1,4 +1,4 @@
-// Mechanics that changes where a condition does: forces with kinks and jumps, whose motion is known.
+// Mechanics whose formulas change where a condition does: forces with kinks and jumps, with known motions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,10 +28,10 @@ Request from(const Definition& definition, std::initializer_list<double> start) 
   return request;
 }
 
-/// A ball between two slopes, V = |x|, from 1 at rest: parabolas between its turns, of the period 4 sqrt(2).
+/// between_slopes() returns the position of a ball in V = |x| from rest at x = 1: parabolas, with the period 4 sqrt(2).
 double between_slopes(double t) {
   const double period = 4 * std::sqrt(2.0), phase = std::fmod(t, period), quarter = period / 4;
-  const double away = phase < 2 * quarter ? phase : period - phase;  // from the start, or back to it
+  const double away = phase < 2 * quarter ? phase : period - phase;  // since the start, or until it is back
   return away < quarter ? 1 - away * away / 2 : (2 * quarter - away) * (2 * quarter - away) / 2 - 1;
 }
 
@@ -57,7 +57,7 @@ TEST(Choices, QuadraticDragSlowsEitherWay) {
   }
 }
 
-// A spring that is stiffer on one side: half periods of either.
+// A spring that is stiffer on one side: the motion consists of half periods of either side.
 TEST(Choices, SpringsMayHaveTwoSides) {
   const Request request = from(of(Definition::Kind::potential, {"x"}, {{"k", 4}}, "if(x > 0, x^2, k*x^2)/2"), {1, 0});
   const double pi = 3.141592653589793, period = pi + pi / 2;
@@ -66,7 +66,8 @@ TEST(Choices, SpringsMayHaveTwoSides) {
   EXPECT_NEAR(last_of(request, "leapfrog", 10 * period), 1, 1e-3);
 }
 
-/// In V = x²/2 + k max(x − c, 0)², two springs, from (x, v) below c: parts of circles, one after the other.
+/// against_a_wall() returns the position in V = x²/2 + k max(x − c, 0)², two springs, from (x, v) below c: in phase
+/// space arcs of circles, one after the other.
 double against_a_wall(double k, double c, double x, double v, double t) {
   const double pi = 3.141592653589793;
   for (bool above = false;; above = !above) {
@@ -82,7 +83,7 @@ double against_a_wall(double k, double c, double x, double v, double t) {
   }
 }
 
-// Steps are longer than half a period, and rounding leaves some of them just before the wall.
+// Steps are longer than half a period, and rounding makes some of them end just before the wall.
 TEST(Choices, NoStepGoesOverAWall) {
   for (const double k : {1.0, 5.0, 20.0})
     for (const double c : {0.15, 0.45, 0.8})
@@ -94,7 +95,7 @@ TEST(Choices, NoStepGoesOverAWall) {
       }
 }
 
-// A pulse that is yet to come has a step held against the equations: behind a switch they are other ones.
+// Where a pulse may come later, a step is checked against the equations; behind a switch the equations are other ones.
 TEST(Choices, CostNoStepsMoreBesideASleepingForce) {
   constexpr const char* pulse = "exp(-60*(t-5.4)^2)";
   const auto run = [](const Definition& definition) {
@@ -128,14 +129,14 @@ TEST(Choices, CostNoStepsMoreBesideASleepingForce) {
   }
 }
 
-/// x from 0 at rest where x'' is a wave of the frequency w that is 1 and −1 by turns, first 1.
+/// under_a_square_wave() returns x from rest at 0, where x'' alternates between 1 and −1 with the frequency w, first 1.
 double under_a_square_wave(double w, double t) {
   const double half = std::acos(-1.0) / w, turns = std::floor(t / half), left = t - turns * half;
-  const bool up = std::fmod(turns, 2) == 0;  // then v is 0 where the turn begins, else `half`
+  const bool up = std::fmod(turns, 2) == 0;  // then v is 0 at the start of the half turn, else `half`
   return half * half * (turns / 2) + (up ? left * left / 2 : half * left - left * left / 2);
 }
 
-// A series of the motion, which is slow, says nothing of what changes its sign twice within a step, or thirty times.
+// The series of a slow motion says nothing of a force that changes its sign twice, or thirty times, within a step.
 TEST(Choices, AreSeenHoweverOftenTheyChangeInAStep) {
   for (const double w : {3.0, 20.0, 200.0}) {
     const Request request = from(flow({"x", "v"}, {{"w", w}}, {{"x", "v"}, {"v", "sign(sin(w*t))"}}), {0, 0});
@@ -146,21 +147,21 @@ TEST(Choices, AreSeenHoweverOftenTheyChangeInAStep) {
       EXPECT_NEAR(truth.states[i][0], under_a_square_wave(w, i == 0 ? 1 : 5), 1e-14) << w;
     EXPECT_LT(truth.uncertainty, 1e-13) << w;
   }
-  // A short time in each turn only, within which a parabola is all that the series sees of the way there and back.
+  // The force acts only for a short time in each turn: in that time the series sees only a parabola, up and down again.
   const double pi = std::acos(-1.0), share = std::acos(0.99) / pi;
   const Request rare = from(flow({"x"}, {}, {{"x", "if(cos(7*t) > 0.99, 1, 0)"}}), {0});
   EXPECT_NEAR(last_of(rare, "taylor", 2 * pi), 2 * pi * share, 1e-11);
   const Truth truth = rare.scene->mechanics->truth(*rare.scene, {2 * pi}, [] { return true; });
   ASSERT_TRUE(truth.complete);
   EXPECT_NEAR(truth.states[0][0], 2 * pi * share, 1e-14);
-  // By the state: a bump that a fast ball crosses.
+  // A choice by the state: a bump that a fast ball crosses.
   const Request bump = from(flow({"x", "v"}, {}, {{"x", "v"}, {"v", "if(abs(x - 1) < 0.001, 10, 0)"}}), {0, 2});
   EXPECT_NEAR(last_of(bump, "taylor", 0.4995), 0.999, 1e-12);
   const double beyond = std::sqrt(4 + 2 * 10 * 0.002), through = (beyond - 2) / 10;
   EXPECT_NEAR(last_of(bump, "taylor", 2), 1.001 + beyond * (2 - 0.4995 - through), 1e-11);
 }
 
-// Where a motion begins on the border, at rest or not, its state says nothing yet of the side that it goes to.
+// At a start on the border, at rest or not, the state does not yet say to which side the motion goes.
 TEST(Choices, MayBeginOnTheBorder) {
   constexpr auto V = Definition::Kind::potential;
   constexpr std::int64_t few = 100, enough = 40'000;
@@ -184,7 +185,7 @@ TEST(Choices, MayBeginOnTheBorder) {
   };
   EXPECT_NEAR(from_zero(0, "if(x < 0, x, 2*x)"), -0.5, 1e-15);
   EXPECT_NEAR(from_zero(-1, "if(x < 0, -x, x)"), -0.5, 1e-15);
-  // From (1, 1) the angle is taken from y/x on one side and from x/y on the other.
+  // At (1, 1) atan2 changes between its formulas with y/x and with x/y.
   EXPECT_NEAR(final_of("atan2(x, 1)^2/2", 0, "taylor", few), final_of("atan(x)^2/2", 0, "taylor", few), 1e-12);
 }
 
@@ -204,7 +205,7 @@ TEST(Choices, OfTheStateStandBesideThoseOfIndices) {
   EXPECT_NEAR(last[1], -0.5 + 0.25, 1e-12);
 }
 
-// Steps that follow the curvature of V find none in the gap: there they go by the kinetic energy.
+// Steps that follow the curvature of V find none in the gap: there they follow the kinetic energy.
 TEST(Choices, MayLeaveStepsNoFrequencyToFollow) {
   Request request = from(of(Definition::Kind::potential, {"x"}, {}, "max(abs(x) - 1, 0)^4"), {2, 0});
   request.scheme = find_scheme("adaptive_verlet").value();
@@ -217,7 +218,7 @@ TEST(Choices, MayLeaveStepsNoFrequencyToFollow) {
   }
 }
 
-// What compares with what is no number is none either: a run that comes there stops, one that begins there is refused.
+// A choice by an undefined value is undefined: a run that reaches it stops, and one that begins there is refused.
 TEST(Choices, AreNoNumbersByWhatIsNone) {
   constexpr auto V = Definition::Kind::potential;
   for (const char* text :
@@ -237,7 +238,7 @@ TEST(Choices, AreNoNumbersByWhatIsNone) {
       EXPECT_FALSE(refused(2, 3)) << text;
     }
   }
-  // What is not chosen, and what a condition asks only where an earlier one holds, need be no number.
+  // The branch not taken, and a condition that an earlier one makes irrelevant, may be undefined.
   for (const char* text : {"if(x > 0, log(x), x^2)", "if(x > 0 and log(x) > 1, x, x^2)",
                            "if(x <= 0 or log(x) > 1, x^2, x)", "if(sqrt(1 + x^2) < 1, x, x^2)"})
     EXPECT_NEAR(last_of(from(of(V, {"x"}, {}, text), {-2, -1}), "leapfrog", 0.01), -2.01 + 4 * 0.01 * 0.01 / 2, 1e-5)

@@ -60,7 +60,7 @@ TEST(Collected, PutsTermsTogether) {
   for (const auto& [text, wanted] : known) EXPECT_EQ(collected(text), wanted) << text;
 }
 
-// Whatever is made of it has the value of what was typed, and is no longer than what is printed as it stands.
+// The collected text has the value of the original and is no longer than the original printed as it is.
 TEST(Collected, HasTheSameValue) {
   std::mt19937 random(7);
   const auto pick = [&](std::size_t n) { return random() % n; };

@@ -1,4 +1,4 @@
-// A kinetic energy that depends on the place, and friction α(t) s: q and p move without s, by Herglotz' equations.
+// A kinetic energy that depends on the position, and friction α(t) s: q and p move without s, by Herglotz' equations.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ TEST(DampedMetric, RunsByHerglotzEquations) {
   }
 }
 
-// Of s, in which the motion has no part, errors say nothing.
+// Errors leave out s, on which the motion does not depend.
 TEST(DampedMetric, HasErrorsOfWhatMoves) {
   const auto mechanics = bead("a*s");
   EXPECT_TRUE(mechanics->card().variables.back().optional);

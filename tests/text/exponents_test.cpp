@@ -1,4 +1,4 @@
-// lyapunov of scenes typed as text: the same whether they are told by momenta or by velocities, and in whatever units.
+// lyapunov of scenes typed as text: the same whether they are written with momenta or velocities, and in any units.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,8 +25,8 @@ Found lyapunov(const Definition& definition, const Start& start, double end) {
   return {runs::number(outcome.diagnostics, "lyapunov/exponent"), runs::number(outcome.diagnostics, "lyapunov/megno")};
 }
 
-/// Two planets of these masses about a star that is fixed, whose distances are 1 and 1.7 of a unit of length and whose
-/// years are about 2π of a unit of time and 2.2 times as many.
+/// Two planets of these masses about a fixed star, at distances of 1 and 1.7 units of length, with periods of about 2π
+/// units of time and 2.2 times as long.
 struct Planets {
   double mass, length, time;
   std::vector<std::pair<std::string, double>> parameters() const {
@@ -42,7 +42,7 @@ constexpr auto planets_potential =
     "-G*M*m/sqrt(x1^2 + y1^2) - G*M*m/sqrt(x2^2 + y2^2) - G*m*m/sqrt((x1 - x2)^2 + (y1 - y2)^2)";
 const std::vector<std::string> places = {"x1", "y1", "x2", "y2"};
 
-// In (x, p) as it stands the momenta of light planets are a millionth of their places.
+// In (x, p) as they are the momenta of light planets are a millionth of their positions.
 TEST(Exponents, DependOnNoUnitAndOnNoWayOfSaying) {
   const auto of_planets = [](const Planets& planets) {
     return lyapunov(of(Definition::Kind::hamiltonian, places, planets.parameters(),
@@ -64,7 +64,7 @@ TEST(Exponents, DependOnNoUnitAndOnNoWayOfSaying) {
   EXPECT_NEAR(by_velocities.exponent, here.exponent, 2e-3 * here.exponent);
 }
 
-// Of bodies that do not feel each other, how heavy one of them is changes no motion.
+// The mass of a body that does not interact with the others changes no motion.
 TEST(Exponents, AreThoseOfVelocitiesWhateverTheMasses) {
   const auto with_mass = [](double m) {
     const std::string orbit = "(px1^2 + py1^2)/2 - 1/sqrt(x1^2 + y1^2)",
@@ -81,7 +81,8 @@ TEST(Exponents, AreThoseOfVelocitiesWhateverTheMasses) {
   }
 }
 
-// A Hamiltonian of no simpler form, whose momenta are not velocities: a magnetic field, which only turns the frame.
+// A Hamiltonian that has no simpler form and whose momenta are not velocities: a magnetic field that only rotates the
+// frame.
 TEST(Exponents, OfMomentaThatAreNoVelocitiesAreThoseOfVelocities) {
   const double b = 0.002;
   const auto from = [](double px) { return Start{{"x", 0}, {"y", -4}, {"px", px}, {"py", -0.1}}; };

@@ -1,4 +1,4 @@
-// Scenes of few coordinates, whose steps go ways of their own, against the same ones among many that rest.
+// Scenes of few coordinates, for which steps have special code, against the same scenes among many coordinates at rest.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,8 +10,8 @@ namespace {
 
 using namespace texts;
 
-/// A potential of the first n of the coordinates a, b, c, d, and the energy of motion with a diagonal metric or a full
-/// one; then coordinates z1 … z9 that rest at 0.
+/// scene() has a potential of the first n of the coordinates a, b, c, d and a kinetic energy with a diagonal metric or
+/// a full one; with `resting`, also coordinates z1 … z9 that rest at 0.
 Definition scene(std::size_t n, bool full, bool resting, const std::string& more = "") {
   const std::vector<std::string> names{"a", "b", "c", "d"};
   std::vector<std::string> variables(names.begin(), names.begin() + std::ptrdiff_t(n));
@@ -29,7 +29,7 @@ Definition scene(std::size_t n, bool full, bool resting, const std::string& more
   return of(Definition::Kind::hamiltonian, variables, {}, h + more);
 }
 
-/// The start of the first ones; those that rest stand behind them.
+/// start() is the start of the first n coordinates; those at rest follow them.
 std::vector<double> start(std::size_t n, bool resting) {
   constexpr double q[] = {0.5, -0.2, 0.3, 0.1}, p[] = {0.3, 0.1, -0.4, 0.2};
   const std::size_t all = n + (resting ? 9 : 0);
@@ -43,7 +43,7 @@ std::vector<double> start(std::size_t n, bool resting) {
 
 struct Choice {
   const char *scheme, *setting = nullptr, *value = nullptr;
-  double number = 0;  ///< in its place
+  double number = 0;  ///< the setting's value where `value` is nullptr
 };
 
 Solution outcome(const Definition& definition, const Choice& choice, const std::vector<double>& from, double end,
@@ -102,7 +102,7 @@ TEST(FewCoordinates, SolveTheirEquationsToRounding) {
     }
 }
 
-// V″ has no entries: nothing is solved for, and every one of these schemes is exact.
+// V″ has no entries: there is nothing to solve, and every one of these schemes is exact.
 TEST(FewCoordinates, FallInAUniformField) {
   for (const std::size_t n : {1, 2, 9}) {
     std::vector<std::string> variables;
@@ -120,7 +120,8 @@ TEST(FewCoordinates, FallInAUniformField) {
   }
 }
 
-// M + β V″ has no inverse, the density of steps is lost, the energy does not suffice: said as of many coordinates.
+// M + β V″ has no inverse, the density of steps is lost, or the energy does not suffice: the reason is the same as for
+// many coordinates.
 TEST(FewCoordinates, SayWhyTheyStopAsManyDo) {
   struct Stop {
     Choice choice;

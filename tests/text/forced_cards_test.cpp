@@ -1,4 +1,4 @@
-// What is said of forced scenes, which schemes and diagnostics they have, and which forces are refused.
+// The cards of forced scenes: their text, schemes and diagnostics, and which forces are refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -130,7 +130,8 @@ TEST(ForcedCards, AreOfManyOfAKind) {
   EXPECT_NEAR(leap.work, series.work, 1e-9);
   EXPECT_LT(leap.work, -0.1);
 
-  // Friction that goes over more coordinates than a matrix of kicks may have, and as much of each alone.
+  // Friction that couples more coordinates than the matrix of a kick may have, and equal friction of each coordinate
+  // alone.
   typed = chain(100);
   typed.scene.dissipation = "sum(i=0..n, c*(vat(i+1) - vat(i))^2/2)";
   const auto coupled = made(typed);
@@ -159,7 +160,7 @@ TEST(ForcedCards, DiagnosticsKnowForces) {
     EXPECT_LT(runs::number(reports, "error/final"), 1e-4);
     EXPECT_EQ(std::get<std::string>(std::get<std::vector<Report>>(reports.front().value).front().value), "none");
   }
-  // A force of |v| has no series; its reference is another one.
+  // A force with |v| has no series; its reference is another scheme.
   Request request = asked(with(of(typed_v, {"x"}, {}, "x^2/2"), {{"x", "-0.1*vx*abs(vx)"}}), "taylor", {1}, 10);
   runs::ask(request, "error");
   const auto reports = runs::go(request).outcome.diagnostics;
@@ -173,7 +174,7 @@ TEST(ForcedCards, ScenesWithoutForcesSayNoWork) {
   EXPECT_THROW(runs::number(runs::go(request).outcome.diagnostics, "energy/work"), std::out_of_range);
 }
 
-/// φ₁ and φ₂ by their series, where that has all digits.
+/// φ₁ and φ₂ against their series, where that has all digits.
 TEST(Exponential, IsThatOfItsSeries) {
   for (const double z : {-0.9, -0.5, -1e-9, 0.0, 0.3, 0.51, 2.0}) {
     double one = 0, two = 0, term = 1;
@@ -185,7 +186,7 @@ TEST(Exponential, IsThatOfItsSeries) {
   // Of a matrix with the eigenvectors (1, 1) and (1, −1).
   for (const double large : {-1e6, -3.0, 0.2}) {
     const double small = -0.4, mean = (large + small) / 2, half = (large - small) / 2;
-    const double rounding = 1e-13 + 1e-16 * std::abs(large);  // of the larger entries
+    const double rounding = 1e-13 + 1e-16 * std::abs(large);  // relative to the larger entries
     const MatrixPhi found = phi(2, {mean, half, half, mean});
     EXPECT_NEAR(found.one[0] + found.one[1], phi(large).one, rounding) << large;
     EXPECT_NEAR(found.one[0] - found.one[1], phi(small).one, rounding) << large;

@@ -1,4 +1,4 @@
-// Forces that are not friction of one coordinate: magnetic, following, dry.
+// Forces that are not friction of one coordinate: magnetic forces, follower forces, dry friction.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace forced {
 namespace {
 
-// F = B v × e_z does no work: a kick turns the momentum, and the speed stays, however long the steps.
+// F = B v × e_z does no work: a kick rotates the momentum, and the speed is kept, however long the steps.
 TEST(ForcedKinds, MagneticForcesTurnTheMomentum) {
   const double b = 3, end = 5;
   const auto free = mechanics_of(with(of(typed_v, {"x", "y"}, {{"b", b}}, "0*x"), {{"x", "b*vy"}, {"y", "-b*vx"}}));
@@ -20,7 +20,7 @@ TEST(ForcedKinds, MagneticForcesTurnTheMomentum) {
   EXPECT_NEAR(last.work, 0, 1e-14);
   EXPECT_LT(last.balance, 1e-14);
 
-  // In a field that depends on the place, with a trap beside it, the energy is H's own.
+  // In a field that depends on the position, with a trap, the energy is that of H.
   const auto trapped = mechanics_of(
       with(of(typed_v, {"x", "y"}, {{"b", b}}, "(x^2 + y^2)/2"), {{"x", "b*(1 + x^2)*vy"}, {"y", "-b*(1 + x^2)*vx"}}));
   Request exact = asked(trapped, "taylor", {1, 0, 0, 0.5}, end);
@@ -32,9 +32,9 @@ TEST(ForcedKinds, MagneticForcesTurnTheMomentum) {
   EXPECT_LT(run(asked(trapped, "leapfrog", {1, 0, 0, 0.5}, 500), 0.02, "").balance, 1e-2) << "over 2,000 gyrations";
 }
 
-// Ziegler's column: two rods, springs in the joints, and a force p that follows the upper rod, which has
-// no potential. It stands upright under less than p = 2.086 and flutters beyond. Source: Ziegler, Ing.-Arch. 20, 49
-// (1952), of masses 2 and 1, unit lengths and stiffness.
+// Ziegler's column: two rods, springs in the joints, and a force p along the upper rod, which has no potential. The
+// column is stable for p < 2.086 and flutters beyond. Source: Ziegler, Ing.-Arch. 20, 49 (1952), with masses 2 and 1,
+// unit lengths and stiffness.
 TEST(ForcedKinds, AFollowingForceMakesAColumnFlutter) {
   const auto column = [](double p) {
     return mechanics_of(
@@ -57,7 +57,8 @@ TEST(ForcedKinds, AFollowingForceMakesAColumnFlutter) {
   EXPECT_NEAR(last.work, truth.work, 1e-6);
 }
 
-// Dry friction −c sign(v) has no slope in v, but it is not linear: while it slides it takes c from the momentum.
+// Dry friction −c sign(v) has a vanishing derivative, but is not linear: while the body slides it takes c from p per
+// time.
 TEST(ForcedKinds, DryFrictionTakesTheSameAtEverySpeed) {
   const auto sliding = mechanics_of(with(of(typed_v, {"x"}, {{"c", 0.5}}, "0*x"), {{"x", "-c*sign(vx)"}}));
   for (const char* scheme : {"leapfrog", "variational_midpoint", "taylor"}) {
@@ -68,7 +69,8 @@ TEST(ForcedKinds, DryFrictionTakesTheSameAtEverySpeed) {
   }
 }
 
-// Where it comes to rest friction holds it, as long as what pulls is weaker: kicks know that, other schemes say so.
+// A body that has come to rest stays while the other forces are weaker than friction: kicks handle that, other schemes
+// warn.
 TEST(ForcedKinds, DryFrictionHoldsWhatIsAtRest) {
   const auto sliding = mechanics_of(with(of(typed_v, {"x"}, {{"c", 0.5}}, "0*x"), {{"x", "-c*sign(vx)"}}));
   EXPECT_NE(sliding->card().summary.find("jumps with the velocity"), std::string::npos);
@@ -88,8 +90,8 @@ TEST(ForcedKinds, DryFrictionHoldsWhatIsAtRest) {
   EXPECT_EQ(drag->card().summary.find("jumps with the velocity"), std::string::npos) << "|v| does not";
 }
 
-// Friction between two bodies: the one at rest is dragged along, and their momentum together is kept. What holds a body
-// at rest is looked for with the other one moving as it does.
+// Friction between two bodies: the one at rest is dragged along, and their total momentum is kept. Whether friction
+// holds a body is decided with the actual velocity of the other one.
 TEST(ForcedKinds, DryFrictionBetweenBodiesDragsTheOneAtRest) {
   const auto dragged = mechanics_of(
       with(of(typed_v, {"x", "y"}, {{"c", 0.3}}, "0*x*y"), {{"x", "-c*sign(vx-vy)"}, {"y", "c*sign(vx-vy)"}}));
@@ -108,8 +110,8 @@ TEST(ForcedKinds, DryFrictionBetweenBodiesDragsTheOneAtRest) {
       }
 }
 
-// A block on a board, of the masses 1 and 2: once they have come to the same velocity they go on together, until what
-// pulls at the block is more than friction hands on to the board.
+// A block on a board, of the masses 1 and 2: once they have the same velocity they move together, until the force on
+// the block is more than friction passes on to the board.
 TEST(ForcedKinds, DryFrictionHoldsBodiesTogether) {
   const auto masses = [](Definition d) {
     d.masses = {{"x", "1"}, {"y", "2"}};
@@ -137,15 +139,15 @@ TEST(ForcedKinds, DryFrictionHoldsBodiesTogether) {
   const double together = b * slip * slip / 6, free = end - slip;
   EXPECT_NEAR(last.state[2], together + b * (end * end - slip * slip) / 2 - c * free, 1e-4);
   EXPECT_NEAR(last.state[3], 2 * together + c * free, 1e-4);
-  // Of three in a row what holds two of them depends on the others: no scheme knows that.
+  // Of three bodies in a row, whether two stick depends on the third: no scheme handles that.
   const auto three =
       mechanics_of(with(of(typed_v, {"x", "y", "z"}, {}, "0*x*y*z"),
                         {{"x", "-sign(vx-vy)"}, {"y", "sign(vx-vy) - sign(vy-vz)"}, {"z", "sign(vy-vz)"}}));
   EXPECT_NE(three->card().summary.find("velocities of others"), std::string::npos);
 }
 
-// Friction that grows with another velocity holds a body against a pull of 0.1 while that is fast enough, and no
-// longer: p_y = 1 − t/4 falls to 1/3 at t = 8/3; from there on ṗ_x = 0.1 − 0.3 p_y, which adds up to 3 (t − 8/3)²/80.
+// Friction in proportion to another velocity holds a body against a force of 0.1 while that velocity is large enough:
+// p_y = 1 − t/4 falls to 1/3 at t = 8/3; from there on ṗ_x = 0.1 − 0.3 p_y, which adds up to 3 (t − 8/3)²/80.
 TEST(ForcedKinds, DryFrictionThatGrowsWithAnotherVelocityHolds) {
   const auto held =
       mechanics_of(with(of(typed_v, {"x", "y"}, {{"b", 0.25}}, "-0.1*x + b*y"), {{"x", "-0.3*sign(vx)*abs(vy)"}}));
@@ -161,7 +163,7 @@ TEST(ForcedKinds, DryFrictionThatGrowsWithAnotherVelocityHolds) {
     EXPECT_NEAR(last.state[3], 1 - end / 4, 1e-12);
     EXPECT_LT(last.balance, 1e-6);
   }
-  // Sliding to rest under it: p_x = 1 − 0.3 t ends at t = 10/3.
+  // The body slides until it rests: p_x = 1 − 0.3 t ends at t = 10/3.
   const auto sliding = mechanics_of(with(of(typed_v, {"x", "y"}, {}, "0*x*y"), {{"x", "-0.3*sign(vx)*abs(vy)"}}));
   Request request = asked(sliding, "leapfrog", {0, 0, 1, 1}, 5);
   runs::set(request, "step", 0.3);
@@ -170,8 +172,8 @@ TEST(ForcedKinds, DryFrictionThatGrowsWithAnotherVelocityHolds) {
   EXPECT_NEAR(last.state[0], 1 / 0.6, 0.02);
 }
 
-// A block that a spring pulls along, its other end at a constant speed u: it stays where it is until the spring
-// outweighs friction, at t₁ = c/(ku), then x = u(t − t₁) − (u/ω) sin ω(t − t₁), at rest for a moment once a turn.
+// A block that a spring pulls, whose other end moves at a constant speed u: it sticks until the spring outweighs
+// friction, at t₁ = c/(ku), then x = u(t − t₁) − (u/ω) sin ω(t − t₁), at rest for an instant once a period.
 TEST(ForcedKinds, WhatIsHeldStartsWhenThePullOutweighsFriction) {
   const double k = 4, u = 0.3, c = 0.9, omega = 2, first = c / (k * u);
   const auto pulled =

@@ -1,5 +1,5 @@
 // Forces beside a Lagrangian, a Hamiltonian or a potential: orders of schemes and of the balance of energy and work,
-// motions that are known in closed form.
+// and motions known in closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return most;
 }
 
-/// A scheme whose states are of one order, and whose balance H − H₀ − W is, too, unless it is kept to round-off.
+/// Expected is a scheme with the order of its states; its balance H − H₀ − W has the same order, or is kept to
+/// round-off.
 struct Expected {
   const char *scheme, *composition;
   double order, step;
@@ -51,14 +52,15 @@ constexpr Expected rules[] = {{"variational_midpoint", "", 2, 0.04},
                               {"galerkin_4", "", 4, 0.08},
                               {"runge_kutta_4", "", 4, 0.01}};
 
-/// Linear in the momenta, each its own: exact kicks.
+/// A force linear in each coordinate's own velocity: kicks are exact.
 Definition linear() { return with(of(typed_v, {"x"}, {}, "x^4/4"), {{"x", "-0.1*vx*(1 + x^2) + 0.3*cos(t)"}}); }
-/// A metric that is not diagonal, friction between the coordinates that depends on the place: exponentials of matrices.
+/// A metric that is not diagonal, and friction between the coordinates that depends on position: exponentials of
+/// matrices.
 Definition coupled() {
   return with(of(typed_l, {"x", "y"}, {}, "vx^2/2 + vy^2 + 0.3*vx*vy - x^4/4 - y^2 - x*y"), {},
               "0.2*(vx - vy)^2/2 + 0.1*x^2*vx^2");
 }
-/// Not linear: kicks by the implicit midpoint rule, of each momentum alone and of both.
+/// Forces that are not linear: kicks by the implicit midpoint rule, for each momentum alone or for both.
 Definition cubic() { return with(of(typed_v, {"x"}, {}, "x^4/4"), {{"x", "-0.1*vx^3"}}); }
 Definition coupled_cubic() {
   return with(of(typed_l, {"x", "y"}, {}, "vx^2/2 + vy^2 - x^4/4 - y^2 - x*y"), {}, "0.2*(vx - vy)^4/4");
@@ -77,7 +79,7 @@ TEST(Forces, SchemesKeepTheirOrders) {
   for (const auto& expected : rules) has_order(double_pendulum(), {2, 1, 0, 0}, expected);
 }
 
-// Without a potential kicks are all that changes a momentum: a run is exact, however long its steps.
+// Without a potential only kicks change a momentum: a run is exact, however long its steps.
 TEST(Forces, KicksAreExactWhereFrictionIsLinear) {
   const double c = 0.7, end = 6;
   const Definition alone = with(of(typed_v, {"x"}, {{"c", c}}, "0*x"), {{"x", "-c*vx"}});
@@ -86,7 +88,7 @@ TEST(Forces, KicksAreExactWhereFrictionIsLinear) {
   EXPECT_NEAR(last.work, 2 * (std::exp(-2 * c * end) - 1), 1e-14);
   EXPECT_LT(last.balance, 1e-14);
 
-  // Of masses 1 and 2 the relative velocity decays with c/μ, μ = 2/3; the momentum stays, 1.
+  // With masses 1 and 2 the relative velocity decays with c/μ, μ = 2/3; the total momentum stays 1.
   const Definition two = with(of(typed_l, {"x", "y"}, {{"c", c}}, "vx^2/2 + vy^2"), {}, "c*(vx - vy)^2/2");
   last = run(asked(two, "leapfrog", {0, 0, 3, -2}, end), 0.5, "yoshida_4");
   const double relative = 4 * std::exp(-c * 1.5 * end), mean = 1.0 / 3;
@@ -95,7 +97,7 @@ TEST(Forces, KicksAreExactWhereFrictionIsLinear) {
   EXPECT_NEAR(last.work, (relative * relative - 16) / 3, 1e-13);
   EXPECT_LT(last.balance, 1e-13);
 
-  // So strong that the motion is over within a kick, and the matrix is of norm 1e6.
+  // Friction so strong that the motion ends within a kick; the matrix has the norm 1e6.
   const Definition strong = with(of(typed_l, {"x", "y"}, {}, "vx^2/2 + vy^2"), {}, "1e6*(vx - vy)^2/2");
   last = run(asked(strong, "leapfrog", {0, 0, 3, -2}, end), 0.5, "");
   EXPECT_NEAR(last.state[2], mean, 1e-9);
@@ -114,7 +116,7 @@ TEST(Forces, QuadraticDragIsKnownInClosedForm) {
   close(run(asked(slowed, "taylor", {0, v}, end)), 1e-11);
   close(run(asked(slowed, "galerkin_4", {0, v}, end), 0.02, ""), 1e-8);
 
-  // Falling from rest: v = w tanh(gt/w), w² = mg/c.
+  // A fall from rest: v = w tanh(gt/w), w² = mg/c.
   const double m = 2, g = 9.81, w = std::sqrt(m * g / c);
   Definition falling = with(of(typed_v, {"x"}, {{"c", c}, {"g", g}, {"m", m}}, "m*g*x"), {{"x", "-c*vx*abs(vx)"}});
   falling.masses = {{"x", "m"}};
@@ -125,7 +127,7 @@ TEST(Forces, QuadraticDragIsKnownInClosedForm) {
   }
 }
 
-// What the joint takes is ∫2D dt, by the derived equations as a scene of their own with one variable more.
+// The work of the joint is −∫2D dt, by the derived equations as a scene of their own with one more variable.
 TEST(Forces, FrictionInAJointTakesTwiceTheDissipation) {
   const auto mechanics = mechanics_of(double_pendulum());
   auto equations = mechanics->text()->equations();
@@ -149,13 +151,14 @@ TEST(Forces, FrictionInAJointTakesTwiceTheDissipation) {
   EXPECT_LT(last.balance, 1e-10);
 }
 
-// A motor turns a pendulum with friction: after a while the work is what friction takes, and the angle lags behind.
+// A motor turns a pendulum with friction: in the steady state its work is what friction takes, and the angle lags
+// behind.
 TEST(Forces, AMotorDoesWork) {
   const Definition motor =
       with(of(typed_v, {"q"}, {{"c", 0.1}, {"torque", 0.5}}, "q^2/2"), {{"q", "torque*cos(t) - c*v"}});
   const auto mechanics = mechanics_of(motor);
   EXPECT_FALSE(mechanics->text()->form->autonomous);
-  // In resonance q = (torque/c) sin t from there on.
+  // In resonance the steady state is q = (torque/c) sin t.
   const double pi = 3.14159265358979323846;
   End last = run(asked(mechanics, "leapfrog", {0, 5}, 20 * pi), pi / 50, "kahan_li_8");
   EXPECT_NEAR(last.state[0], 0, 1e-9);
@@ -164,7 +167,7 @@ TEST(Forces, AMotorDoesWork) {
   EXPECT_LT(last.balance, 1e-9);
 }
 
-// Of a Hamiltonian forces know momenta, and friction velocities: by either text the motion is the same.
+// Forces are written with momenta beside a Hamiltonian, and friction with velocities: both texts give the same motion.
 TEST(Forces, LagrangiansAndHamiltoniansSayTheSame) {
   const Definition l =
       with(of(typed_l, {"r", "f"}, {}, "vr^2/2 + r^2*vf^2/2 + 1/r"), {{"f", "-0.1*r^2*vf"}}, "0.05*vr^2");
@@ -181,7 +184,7 @@ TEST(Forces, LagrangiansAndHamiltoniansSayTheSame) {
   EXPECT_NEAR(one.state[3], 1.2 * std::exp(-0.5), 1e-8) << "the angular momentum decays";
 }
 
-// Forces of nothing leave the maps that schemes are without them.
+// Forces that vanish leave the maps of schemes unchanged.
 TEST(Forces, OfNothingLeaveTheSchemesAsTheyAre) {
   struct Pair {
     Definition free;

@@ -1,4 +1,4 @@
-// Kinetic matrices that are constant but not diagonal: separable, like those that are diagonal.
+// Kinetic matrices that are constant but not diagonal: such scenes are separable, like those with diagonal ones.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr auto typed_l = Definition::Kind::lagrangian, typed_h = Definition::Kin
 
 const text::Form& form_in(const Definition& definition) { return *mechanics_of(definition)->text()->form; }
 
-// g⁻¹ = ((2, −1), (−1, 2)) and V = (x² + y²)/2: x + y turns at 1, x − y at √3.
+// g⁻¹ = ((2, −1), (−1, 2)) and V = (x² + y²)/2: x + y oscillates with the frequency 1, x − y with √3.
 Definition coupled(const std::string& more = "") {
   return of(typed_h, {"x", "y"}, {{"m", 1}}, "px^2 + py^2 - px*py/m + (x^2 + y^2)/2" + more);
 }
@@ -24,7 +24,7 @@ Definition coupled(const std::string& more = "") {
 Definition coupled_by_velocities(const std::string& more = "") {
   return of(typed_l, {"x", "y"}, {{"m", 1}}, "(vx^2 + vy^2 + m*vx*vy)/3 - (x^2 + y^2)/2" + more);
 }
-// Four, in a chain: one whose metric has three diagonals.
+// Four coordinates in a chain, with a tridiagonal metric.
 Definition chain() {
   return of(typed_l, {"a", "b", "c", "d"}, {},
             "va^2 + vb^2 + vc^2 + vd^2 + (va*vb + vb*vc + vc*vd)/2 - (a^2 + b^2 + c^2 + 2*d^2)/2 - a*b*d/5 - d^4/9");
@@ -35,14 +35,15 @@ Request request_of(const Definition& definition, std::string_view scheme, const 
   return request_by(scheme, mechanics_of(definition), start, end);
 }
 
-/// x, y, px, py of the coupled oscillators from (1, 0.3; 0.2, −0.5), each of their modes damped by α: q̈ + αq̇ + ω²q = 0.
+/// truth() returns x, y, px, py of the coupled oscillators from (1, 0.3; 0.2, −0.5), each mode damped by α: q̈ + αq̇ +
+/// ω²q = 0.
 std::array<double, 4> truth(double t, double alpha) {
   const auto mode = [=](double u, double rate, double omega) {
     const double k = std::sqrt(omega * omega - alpha * alpha / 4), c = (rate + alpha / 2 * u) / k,
                  decay = std::exp(-alpha * t / 2), value = decay * (u * std::cos(k * t) + c * std::sin(k * t));
     return std::array{value, -alpha / 2 * value + decay * k * (c * std::cos(k * t) - u * std::sin(k * t))};
   };
-  // p = g q̇: of the sum p₊ = q̇₊, of the difference p₋ = q̇₋/3.
+  // p = g q̇: the momentum of the sum is q̇₊, that of the difference q̇₋/3.
   const auto [plus, plus_rate] = mode(1.3, -0.3, 1);
   const auto [minus, minus_rate] = mode(0.7, 3 * 0.7, std::sqrt(3));
   return {(plus + minus) / 2, (plus - minus) / 2, (plus_rate + minus_rate / 3) / 2, (plus_rate - minus_rate / 3) / 2};
@@ -80,7 +81,8 @@ TEST(FullMass, IsOfTheFormOfADiagonalOne) {
   EXPECT_EQ(schemes_of(coupled(" + s/5")), schemes_of(of(typed_h, {"x", "y"}, {}, "px^2 + py^2 + x^2 + s/5")));
 }
 
-// Parameters decide whether it is positive definite: m = 1/2 leaves g⁻¹ = ((2, −2), (−2, 2)), m = 1/3 more.
+// Parameters decide whether it is positive definite: m = 1/2 gives g⁻¹ = ((2, −2), (−2, 2)), which is singular; m = 1/3
+// is worse.
 TEST(FullMass, IsPositiveDefinite) {
   for (const auto& [m, good] : {std::pair(1.0, true), std::pair(0.51, true), std::pair(0.5, false),
                                 std::pair(0.33, false), std::pair(0.0, false), std::pair(-1.0, true)}) {
@@ -113,7 +115,7 @@ TEST(FullMass, SchemesHaveTheirOrders) {
     }
 }
 
-// Its setting is a step of a fictitious time.
+// The setting of time_transformed is a step in a fictitious time.
 TEST(FullMass, TimeTransformedHasItsOrders) {
   for (const auto& definition : {coupled(), coupled_by_velocities()})
     for (const auto& [composition, order] : {std::pair("none", 2), std::pair("suzuki_4", 4)}) {
@@ -153,7 +155,7 @@ TEST(FullMass, SchemesOfDampedScenesHaveTheirOrders) {
     }
 }
 
-// Of the map of each step by dual numbers; dp∧dq is kept, η up to its factor.
+// The map of each step, by dual numbers, keeps dp∧dq, or η up to its factor.
 TEST(FullMass, TheFormIsKept) {
   const std::vector<double> four{0.5, -0.3, 0.2, 0.4, 0.1, 0.3, -0.2, 0.5};
   const struct {
@@ -187,7 +189,7 @@ TEST(FullMass, LeapfrogComesBackAndItsEnergyStays) {
   runs::set(back, "step", 0.125);
   const auto again = final_of(back);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(again[i], i < 4 ? from[i] : -from[i], 1e-13);
-  // The energy is that of the text: ½ pᵀg⁻¹p with g from the Lagrangian, at the start by hand through a solve of g v =
+  // The energy is that of the text: ½ pᵀg⁻¹p with g from the Lagrangian, at the start by hand, with a solution of g v =
   // p.
   Request fine = request_of(chain(), "taylor", from, 20);
   runs::ask(fine, "energy");
@@ -222,7 +224,7 @@ TEST(FullMass, EquationsAsTextAreThoseOfTheMotion) {
     const auto mechanics = mechanics_of(definition);
     auto equations = mechanics->text()->equations();
     ASSERT_GE(equations.size(), 4U);
-    equations.resize(4);  // that of s, which the others do not read, is looked at below
+    equations.resize(4);  // that of s, which the others do not need, is tested below
     std::vector<std::string> names;
     for (const auto& [name, rate] : equations) names.push_back(name);
     EXPECT_EQ(names, (std::vector<std::string>{"x", "y", "px", "py"}));
@@ -233,7 +235,7 @@ TEST(FullMass, EquationsAsTextAreThoseOfTheMotion) {
   const auto of_action = mechanics_of(coupled(" + s^2/8"))->text()->equations();
   EXPECT_EQ(of_action[3].second, "-y - 0.25*s*py");
   EXPECT_EQ(of_action[4].first, "s");
-  // Of four coordinates the inverse is said where it is made of numbers.
+  // For four coordinates the equations have the inverse metric if it consists of numbers.
   EXPECT_EQ(mechanics_of(chain())->text()->equations()[4].first, "pa");
   EXPECT_TRUE(mechanics_of(chain())->text()->note_on_equations(mechanics_of(chain())->text()->equations()).empty());
   Definition of_parameters = chain();
@@ -244,8 +246,8 @@ TEST(FullMass, EquationsAsTextAreThoseOfTheMotion) {
   EXPECT_FALSE(with_parameters->text()->note_on_equations(with_parameters->text()->equations()).empty());
 }
 
-// Masses that couple all coordinates of a chain have an inverse that is full: of 300 it is short enough to run, not to
-// be said; of more than some 330 it is neither.
+// Masses that couple all coordinates of a chain have a full inverse: for 300 coordinates it is short enough for a run,
+// but not to be printed; for more than about 330 it is neither.
 TEST(FullMass, AnInverseTooLongToBeSaidIsNot) {
   const auto made = [](double n) {
     text::TypedScene typed;

@@ -1,5 +1,5 @@
-// Lagrangians L(q, v, s, t) of no form: the discrete Herglotz equations solved for them keep the contact form, have
-// their order, and are those of the compiled schemes.
+// Lagrangians L(q, v, s, t) without a special form: the discrete Herglotz equations, solved for them, keep the contact
+// form, have their order, and agree with the compiled schemes.
 #include <gtest/gtest.h>
 
 #include "core/catalogue/sized_herglotz.hpp"
@@ -28,7 +28,7 @@ std::vector<General> generals() {
           {"relativistic", of(lagrangian, {"q"}, {}, "-sqrt(1 - v^2) - q^2/2")}};
 }
 
-/// From a start of its own, to t = 2.
+/// request_of() requests a run from a start of the test's own to t = 2.
 Request request_of(const std::shared_ptr<const Mechanics>& mechanics, const char* scheme, double fineness,
                    const char* dial = "step") {
   Request request = typed_as(runs::defaults("damped_oscillator", scheme), mechanics);
@@ -107,7 +107,8 @@ TEST(GeneralLagrangian, MidpointReturnsByANegativeStep) {
   }
 }
 
-/// A problem of the catalogue, said with a term that has a factor of zero: no form is found in it.
+/// SaidTwice is a problem of the catalogue, written with a term that has a factor of zero, so that no form is found in
+/// it.
 struct SaidTwice {
   Typed typed;
   std::vector<std::pair<const char*, const char*>> schemes;  ///< of the compiled problem, of the text
@@ -166,7 +167,7 @@ TEST(GeneralLagrangian, AgreesWithTheCompiledSchemes) {
   }
 }
 
-/// Series of (q, p, s) and of the velocities, which have equations of their own there.
+/// Series of (q, p, s) and of the velocities, for which the tape has additional equations.
 TEST(GeneralLagrangian, HasATaylorSeries) {
   auto all = generals();
   all.push_back({"exchanged", of(lagrangian, {"x", "y"}, {}, "vx*(vy + vy^3/3) - x*y - 0.1*s")});
@@ -211,7 +212,7 @@ TEST(GeneralLagrangian, HasTheSeriesOfTheCompiledScheme) {
   }
 }
 
-/// A relativistic oscillator, and many that have nothing to do with each other.
+/// n relativistic oscillators that do not interact.
 std::shared_ptr<const Mechanics> oscillators(int n) {
   text::TypedScene typed;
   typed.scene = of(lagrangian, {"q[n]"}, {{"n", double(n)}}, "-sum(i=1..n, sqrt(1 - v[i]^2)) - sum(i=1..n, q[i]^2/2)");
@@ -238,7 +239,7 @@ TEST(GeneralLagrangian, OfManyEachMovesAsItDoesAlone) {
       EXPECT_NEAR(all[std::size_t(n + i)], alone[1], 1e-13) << scheme << i;
     }
   }
-  // √(1 + p²) + q²/2 is kept.
+  // √(1 + p²) + q²/2 is conserved.
   const auto end = end_of(sized::request_by("taylor", oscillators(50), std::vector<double>(100, 0.9), 20));
   for (std::size_t i = 0; i < 50; ++i)
     EXPECT_NEAR(std::hypot(1.0, end[50 + i]) + end[i] * end[i] / 2, std::hypot(1.0, 0.9) + 0.405, 1e-12) << i;
@@ -259,7 +260,7 @@ TEST(GeneralLagrangian, CouplesSomeVelocitiesOnly) {
   EXPECT_EQ(faults->front().fault.detail, "couples the velocities of too many coordinates");
 }
 
-/// Where ∂²L/∂v² vanishes there is no acceleration: a start there is refused, those beside it are not.
+/// Where ∂²L/∂v² vanishes there is no acceleration: a start there is refused, but not one near it.
 TEST(GeneralLagrangian, StartsWhereItIsRegular) {
   struct Case {
     const char *text, *why;
@@ -281,7 +282,7 @@ TEST(GeneralLagrangian, StartsWhereItIsRegular) {
   }
 }
 
-/// Many pendulums that hang from each other have masses as regular as those of two.
+/// A chain of many pendulums has masses as regular as one of two.
 TEST(GeneralLagrangian, IsRegularOfManyCoordinates) {
   const auto objection = [](const std::string& text) {
     std::vector<std::string> names;

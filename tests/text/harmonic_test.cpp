@@ -1,4 +1,4 @@
-// Which scenes as text are coupled oscillators, and what is found in them.
+// Which scenes as text are recognized as coupled oscillators, and the modes that are found.
 #include "core/text/harmonic.hpp"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST(HarmonicText, IsFoundHoweverItIsWritten) {
   }
 }
 
-// Two masses on three springs: modes of 1 and 3; masses and full kinetic matrices are in them.
+// Two masses on three springs have the modes 1 and 3; masses and full kinetic matrices are taken into account.
 TEST(HarmonicText, CoupledOnesAreModes) {
   const Harmonic springs = oscillators_in(of(typed_v, {"x", "y"}, {}, "x^2/2 + (x-y)^2/2 + y^2/2 + x^3"));
   EXPECT_TRUE(springs.mixed);

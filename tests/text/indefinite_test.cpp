@@ -1,4 +1,4 @@
-// Kinetic energies of both signs, and the digits of what a text says.
+// Kinetic energies of both signs, and the digits of constants in a text.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using namespace texts;
 
-/// A kinetic energy of both signs is regular: two oscillators, one of which counts against the other.
+/// A kinetic energy of both signs is regular: two oscillators, one of which has a negative energy.
 TEST(IndefiniteKineticEnergy, MovesByWhatNeedsRegularityAlone) {
   for (const auto& definition : {of(Definition::Kind::lagrangian, {"x", "y"}, {}, "(vx^2 - vy^2)/2 - (x^2 - 4*y^2)/2"),
                                  of(Definition::Kind::hamiltonian, {"x", "y"}, {}, "(px^2 - py^2)/2 + (x^2 - 4*y^2)/2"),
@@ -36,7 +36,7 @@ TEST(IndefiniteKineticEnergy, MovesByWhatNeedsRegularityAlone) {
     const auto& schemes = mechanics->card().schemes;
     EXPECT_EQ(std::ranges::find(schemes, find_scheme("leapfrog").value()), schemes.end());
   }
-  // A metric that is not diagonal, and what numbers alone do not decide.
+  // A metric that is not diagonal, and one whose signs depend on parameters.
   const auto kind = [](const char* text) {
     return mechanics_of(of(Definition::Kind::lagrangian, {"x", "y"}, {{"m", 1}}, text))->text()->form->kind;
   };
@@ -46,11 +46,11 @@ TEST(IndefiniteKineticEnergy, MovesByWhatNeedsRegularityAlone) {
   EXPECT_EQ(kind("(vx^2 - m*vy^2)/2 - x^2"), text::FormKind::separable);
 }
 
-/// Constants that are no doubles have the digits of two.
+/// Constants that are not exact doubles have the digits of two doubles.
 TEST(ConstantsOfATextOnItsTape, HaveTwiceTheDigitsOfADouble) {
   const struct {
     const char* text;
-    double low;  ///< what the double nearest to it is short of it
+    double low;  ///< the value less the nearest double
   } rows[] = {{"1/3", 1.8503717077085942e-17}, {"2/3", 3.7007434154171884e-17}};
   for (const auto& [text, low] : rows) {
     tape::Tape tape;

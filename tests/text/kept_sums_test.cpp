@@ -1,4 +1,4 @@
-// Sums of many terms that are kept as sums: what they are worth, in every number, against the same written out.
+// Sums of many terms that stay sums on the tape: their values, in every number type, against the sums written out.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -37,8 +37,8 @@ struct Row {
   const char* name;
   TypedScene scene;
 };
-/// Terms that read alike and some that do not, nested, by definitions, with conditions, with numbers of their own, of
-/// the time, and rates of equations.
+/// rows() returns scenes with sums of terms alike and not alike: nested, by definitions, with conditions, with
+/// constants of their own, with the time, and in equations.
 std::vector<Row> rows() {
   const std::string apart = "((x[i]-x[j])^2 + (y[i]-y[j])^2 + 0.1)";
   const auto plane = [](Kind kind, const std::string& formula) { return typed(kind, {"x[n]", "y[n]"}, formula); };
@@ -119,7 +119,8 @@ TEST(KeptSums, AreWorthWhatTheyAreWrittenOut) {
   }
 }
 
-// Derivatives along a direction, which implicit schemes and tangents take, and where they are zero whatever the state.
+// Derivatives along a direction, which implicit schemes and tangents need, and which derivatives vanish for every
+// state.
 TEST(KeptSums, HaveTheDerivativesOfWhatIsWrittenOut) {
   using Slope = Dual<double, 1>;
   for (const Row& row : rows()) {
@@ -172,7 +173,7 @@ TEST(KeptSums, SayWhatIsWrongInTheirTerms) {
   EXPECT_EQ(fault_of(many), "/potential 0: takes too many operations");
 }
 
-// Five hundred bodies in the plane, whose terms would be a million operations: as a loop over pairs says.
+// Five hundred bodies in the plane, whose terms would be a million operations, move as by a loop over pairs.
 TEST(KeptSums, MoveFiveHundredBodies) {
   constexpr std::size_t n = 500;
   constexpr double h = 1.0 / 64;

@@ -1,6 +1,6 @@
-// Scenes of dozens of coordinates for which a step's matrix is full: forty pendulums in a row, and others of a kinetic
-// energy that depends on the place, of a general Hamiltonian and of H quadratic in s. Schemes that solve equations have
-// their orders there, keep what they keep at two coordinates, and end when they are told to.
+// Scenes of dozens of coordinates whose steps have full matrices: forty pendulums in a row, and others with a kinetic
+// energy that depends on position, with a general Hamiltonian and with H quadratic in s. Implicit schemes have their
+// orders there, keep what they keep for two coordinates, and stop when they are told to.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,8 +27,8 @@ std::shared_ptr<const Mechanics> typed(Kind kind, const std::string& formula, do
   scene.scene = of(kind, {"q[n]"}, {{"n", count}}, formula.c_str());
   return made(scene);
 }
-/// Rods in a row, each hinged at the end of the one before: the metric is full, and depends on every angle. Of one
-/// length 1/n and mass 1/n in all, so that it swings about as fast whatever their number is.
+/// Rods in a row, each hinged at the end of the one before: the metric is full, and depends on every angle. The total
+/// length and mass are 1, so that the row swings about as fast whatever the number of rods.
 const std::shared_ptr<const Mechanics>& pendulums() {
   static const auto known = [] {
     text::TypedScene scene;
@@ -40,7 +40,7 @@ const std::shared_ptr<const Mechanics>& pendulums() {
   }();
   return known;
 }
-/// A smooth arc, let go from rest.
+/// arc() is a smooth arc, released from rest.
 std::vector<double> arc() {
   std::vector<double> x(2 * n, 0.0);
   for (std::size_t i = 0; i < n; ++i) x[i] = 0.8 * std::cos(3.0 * double(i) / double(n));
@@ -120,14 +120,15 @@ TEST(LargeMatrix, ContactSchemesHaveTheirOrders) {
   }
 }
 
-/// A metric of as many coordinates, bound to their neighbours.
+/// beads() has a diagonal metric that depends on position, of `count` coordinates bound to their neighbours.
 std::shared_ptr<const Mechanics> beads(double count) {
   return typed(Kind::lagrangian,
                "sum(i=1..n, v[i]^2*(1 + q[i]^2)/2) - sum(i=1..n-1, (q[i+1] - q[i])^2/2) - sum(i=1..n, q[i]^4/4)",
                count);
 }
 
-/// Of a step that fails as soon as its thread is told to end after so many questions: how many it asked.
+/// asked() returns how often a step asks whether to go on; from the question after the first `most` on the answer is
+/// no, and the step has to fail.
 template <class Step>
 int asked(int most, Step&& step) {
   int count = 0;
@@ -175,7 +176,7 @@ TEST(LargeMatrix, AStepEndsWhenItIsToldTo) {
       "by its stages");
 }
 
-// Tangents in direction after direction take the matrix of one step once, and are those of a stepper that is new.
+// Tangents in one direction after another use the matrix of a step once, and agree with those of a new stepper.
 TEST(LargeMatrix, WhatASolverKeepsChangesNoStep) {
   const auto scene = beads(30)->text()->sized(std::vector<double>{30});
   const auto step = [&](SizedHerglotz<Slope>& stepper, double from, std::size_t along) {
@@ -203,7 +204,7 @@ TEST(LargeMatrix, WhatASolverKeepsChangesNoStep) {
   }
 }
 
-// Of many rows the determinant is small beside the product of their lengths even where they are far from parallel.
+// For many rows the determinant is small beside the product of their lengths even where the rows are far from parallel.
 TEST(LargeMatrix, AMassWithoutInverseIsToldFromOneOfManyRows) {
   const auto objection = [](const std::shared_ptr<const Mechanics>& mechanics, const std::vector<double>& start) {
     const auto why = mechanics->text()->objection_to_start(std::vector<double>{double(n)}, 0, start);

@@ -1,5 +1,5 @@
-// lifted_splitting: its order by every way of following the lift, the form to round-off, there and back, and which
-// Hamiltonians have one.
+// lifted_splitting: its order with every setting of `lift`, the symplectic or contact form to round-off, reversal, and
+// which Hamiltonians can be lifted.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,8 +25,8 @@ class OfScene : public testing::TestWithParam<Scene> {
   std::shared_ptr<const Mechanics> mechanics = mechanics_of(GetParam().definition);
 };
 
-// The orders of the compositions between a coarse step and round-off, from both sides; the midpoint rule of order 2
-// carries all of them, as it is symmetric. Sums of large terms, as extrapolations are, round more.
+// The orders of the compositions, from both sides, between a coarse step and round-off. The midpoint rule of order 2
+// supports all of them, because it is symmetric. Extrapolations are sums of large terms and round more.
 TEST_P(OfScene, HasTheOrderOfTheComposition) {
   constexpr double end = 3;
   const auto truth = end_of(composed(request_of(scene(), mechanics, end / 2000, end), "kahan_li_8"));
@@ -54,7 +54,7 @@ TEST_P(OfScene, HasTheOrderOfTheComposition) {
       ++looked;
       const double near = order < 8 ? 0.35 : 1.2;
       EXPECT_GT(seen, order - near) << composition << " " << lift;
-      // Where nothing is split the errors of the extrapolation are of its own, higher order at first.
+      // Where nothing is split the errors at first are those of the extrapolation, which has a higher order.
       if (scene().name != std::string_view("van_der_pol")) {
         EXPECT_LT(seen, order + near) << composition << " " << lift;
       }
@@ -78,12 +78,12 @@ TEST_P(OfScene, KeepsTheFormToRoundOff) {
   EXPECT_GT(runs::number(runs::go(other).outcome.diagnostics, "structure/max_defect"), 1e-9);
 }
 
-// Where what is followed is symmetric a run returns by the steps it came by; extrapolation does not.
+// Where the lifted flow is approximated symmetrically a run returns by the same steps; with extrapolation it does not.
 TEST_P(OfScene, ReturnsByTheStepsItCameBy) {
   text::HamiltonianScene problem;
   const Request request = request_of(scene(), mechanics, 0.1, 1);
   problem.formulas = std::make_shared<text::Formulas>(*mechanics->text()->form, request.scene->parameters);
-  StateOf<text::HamiltonianScene> start{};  // with room for more coordinates, which rest
+  StateOf<text::HamiltonianScene> start{};  // has room for more coordinates, which rest
   start.t = 0.3;
   const auto& initial = request.scene->initial;
   for (std::size_t i = 0, n = problem.coordinates(); i < n; ++i) {
@@ -108,7 +108,8 @@ TEST_P(OfScene, ReturnsByTheStepsItCameBy) {
   EXPECT_GT(missed({0.1, Composition::none, LiftMethod::extrapolation}), 1e-7);
 }
 
-// As a problem of the catalogue has it that states such a Hamiltonian: steps are made of what is found there.
+// A run on the parts that the scheme finds in the Hamiltonian, as in a problem of the catalogue, equals the run of the
+// scene.
 TEST_P(OfScene, IsTheSameWhereItIsFound) {
   for (const char* lift : {"automatic", "extrapolation"}) {
     const Request request = composed(request_of(scene(), mechanics, 0.05, 2.01), "suzuki_4", lift);
@@ -136,7 +137,7 @@ TEST_P(OfScene, SaysWhetherTheLiftIsExact) {
 
 INSTANTIATE_TEST_SUITE_P(, OfScene, testing::ValuesIn(scenes()), [](const auto& tested) { return tested.param.name; });
 
-// The contact form of a step contracts by λ = e^{−∫H_s dt}, to the order of the scheme: an error of h³ at order 2.
+// A step contracts the contact form by λ = e^{−∫H_s dt}, up to the error of the scheme: h³ a step at order 2.
 TEST(LiftedSplitting, ContractsAsTheMotionDoes) {
   const Scene scene{"contact_prototype", contact_prototype(), {1, 0.5, 0.2}};
   const auto mechanics = mechanics_of(scene.definition);
@@ -165,8 +166,8 @@ TEST(LiftedSplitting, ContractsAsTheMotionDoes) {
   EXPECT_NEAR(std::log2(wrong(0.2) / wrong(0.1)), 3, 0.2);
 }
 
-// Jacobi's constant of an orbit about the heavier body, over a thousand turns of the frame: it stays, and drifts away
-// by Runge–Kutta with steps that cost the same.
+// Jacobi's constant of an orbit about the heavier body, over a thousand rotations of the frame: its error stays
+// bounded, but grows with Runge–Kutta steps of equal cost.
 TEST(LiftedSplitting, KeepsJacobisConstant) {
   const Scene scene{"restricted_three_bodies", restricted_three_bodies(), {0.5, 0, 0, 1.2}};
   const auto mechanics = mechanics_of(scene.definition);
@@ -202,7 +203,7 @@ TEST(LiftedSplitting, IsRefusedByTheNameOfTheTerm) {
   EXPECT_FALSE(runs::fits(kepler->card(), find_scheme("lifted_splitting").value())) << "leapfrog is the same";
 }
 
-// A ring of charges in a field, of more coordinates than any class is compiled for, up to the most.
+// A ring of charges in a field, with more coordinates than any compiled class has, up to the maximum.
 TEST(LiftedSplitting, IsOfUpToSixtyFourCoordinates) {
   const auto ring = [](std::size_t n) {
     Definition all = of(hamiltonian, {}, {}, "0");
@@ -222,7 +223,7 @@ TEST(LiftedSplitting, IsOfUpToSixtyFourCoordinates) {
   EXPECT_NE(card.offers.find("more coordinates than the 64"), card.offers.npos) << card.offers;
 }
 
-// q̇ = X(q) alone, and with s: no kinetic energy, nothing split.
+// q̇ = X(q) alone, and with s: no kinetic energy, nothing is split.
 TEST(LiftedSplitting, FollowsAFlow) {
   const auto flow_card = mechanics_of(texts::flow({"x", "v"}, {}, {{"x", "v"}, {"v", "(1 - x^2)*v - x"}}));
   Request plain = typed_as(runs::defaults("damped_oscillator", "taylor"), flow_card);
@@ -234,7 +235,7 @@ TEST(LiftedSplitting, FollowsAFlow) {
   const auto found = end_of(composed(request_of(scene, mechanics_of(scene.definition), 0.01, 5), "kahan_li_8"));
   EXPECT_NEAR(found[0], truth[0], 1e-12);
   EXPECT_NEAR(found[1], truth[1], 1e-12);
-  // In one coordinate with s for its velocity, p the slope dv/dx, up to where that has a pole.
+  // One coordinate whose velocity is s; p is the slope dv/dx, up to its pole.
   const Scene lienard{"lienard", of(hamiltonian, {"x"}, {}, "px*s - ((1 - x^2)*s - x)"), {1, 0.3, 0.2}};
   plain.end = 0.15;
   const auto near = end_of(plain);

@@ -1,4 +1,4 @@
-// Which scenes as text are charges in a magnetic field, and what is found in them.
+// Which scenes as text are recognized as charges in a magnetic field, and the parts that are found.
 #include "core/text/magnetic.hpp"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(MagneticText, IsFoundHoweverItIsWritten) {
   }
 }
 
-// a²/2m of the Hamiltonian is gone from the potential to the last bit: in a field alone nothing kicks.
+// a²/2m is removed from the potential to the last bit: with a field alone there are no kicks.
 TEST(MagneticText, AFieldAloneHasNoPotential) {
   const Magnetic found = field_in(bottle());
   EXPECT_FALSE(found.kicks);
@@ -98,7 +98,7 @@ TEST(MagneticText, WhatIsNoneIsRefusedByName) {
             std::string::npos);
 }
 
-// What is no field with some parameters: the card offers it by those that are typed.
+// The card offers the scheme by the typed parameters; with those of a request the scene may be no magnetic field.
 TEST(MagneticText, ItIsSaidWithTheParametersOfTheRequest) {
   const auto mechanics =
       mechanics_of(of(hamiltonian, {"x", "y"}, {{"c", 0}}, "(px^2+py^2)/2 + c*px*py/2 + y*px + x^2/2"));

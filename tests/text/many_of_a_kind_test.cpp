@@ -1,4 +1,4 @@
-// Texts that speak of many of a kind: what they stand for when they are written out, and what is wrong with them.
+// Texts with many variables of a kind: what they become when they are written out, and their faults.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,8 @@ std::string written(std::string_view text) {
   return std::get<Expansion>(made).text();
 }
 
-// A condition is one of indices only where it speaks of one: a parameter that happens to be whole stays one.
+// A condition is resolved as one of indices only where it contains an index, not where a parameter happens to be a
+// whole number.
 TEST(ManyOfAKind, ConditionsOnParametersStay) {
   for (const char* text : {"if(n>0.5, 1, 2)", "if(n > 3, 1, 2)", "if(0.5<1, 1, 2)", "if(2*n >= k and not k<1, 1, 2)"})
     EXPECT_EQ(written(text), text);
@@ -100,7 +101,7 @@ TEST(ManyOfAKind, SayWhatIsWrongAndForWhichIndex) {
   }
 }
 
-// Each definition knows those before it: none can be its own.
+// A definition may use only those before it, so that none can contain itself.
 TEST(ManyOfAKind, DefinitionsThatGrowEndSoon) {
   Vocabulary made;
   made.definitions.push_back({"a0", {}, "x+x"});
@@ -126,7 +127,7 @@ text::TypedScene chain() {
   return typed;
 }
 
-// A chain of Fermi, Pasta, Ulam and Tsingou moves as the one whose every spring was typed, bit for bit.
+// A chain of Fermi, Pasta, Ulam and Tsingou has the same bits as one in which every spring was typed.
 TEST(ManyOfAKind, MoveAsThoseThatWereTypedOneByOne) {
   const auto made = custom_mechanics(chain());
   ASSERT_TRUE(std::holds_alternative<std::shared_ptr<const Mechanics>>(made))
@@ -148,7 +149,7 @@ TEST(ManyOfAKind, MoveAsThoseThatWereTypedOneByOne) {
   EXPECT_GT(std::abs(many[3]), 1e-3) << "the last one moves";
 }
 
-// A cluster of a hundred bodies in space, whose pairs are 4,950 terms, moves as a loop over the pairs says.
+// A cluster of a hundred bodies in space, whose pairs are 4,950 terms, moves as by a loop over pairs.
 TEST(ManyOfAKind, AHundredBodiesMoveAsALoopOverPairsSays) {
   constexpr std::size_t n = 100;
   constexpr double h = 1.0 / 256;

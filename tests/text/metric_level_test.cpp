@@ -1,5 +1,5 @@
-// Schemes that follow a level of the energy where the kinetic energy depends on the place, on scenes of many
-// coordinates: energy_momentum, jacobi_maupertuis and time_transformed.
+// Schemes that need the energy level, for kinetic energies that depend on position and scenes of many coordinates:
+// energy_momentum, jacobi_maupertuis and time_transformed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +14,8 @@ using namespace sized;
 constexpr std::size_t n = 12;
 double frequency(std::size_t i) { return 1 + 0.2 * double(i); }
 
-/// Oscillators y_i″ = −w_i² y_i, in the coordinates of y_i = q_i + q_i³/3 + q_{i−1}/5: a metric that couples neighbours
-/// and depends on the place, and a motion that is known.
+/// Oscillators y_i″ = −w_i² y_i, written in coordinates with y_i = q_i + q_i³/3 + q_{i−1}/5: the metric couples
+/// neighbours and depends on position, and the motion is known.
 std::shared_ptr<const Mechanics> bent_oscillators() {
   text::TypedScene typed;
   typed.scene = of(Definition::Kind::lagrangian, {"q[n]"}, {{"n", double(n)}},
@@ -28,7 +28,7 @@ std::vector<double> straight(const std::vector<double>& q) {
   for (std::size_t i = 0; i < n; ++i) y.push_back(q[i] + q[i] * q[i] * q[i] / 3 + (i > 0 ? q[i - 1] / 5 : 0));
   return y;
 }
-/// Velocities of the y at the start.
+/// pace() is the velocity of y_i at the start.
 double pace(std::size_t i) { return 0.7 * std::cos(3.0 * double(i)); }
 std::vector<double> start() {
   std::vector<double> x(2 * n, 0.0);
@@ -36,7 +36,7 @@ std::vector<double> start() {
   for (std::size_t i = 0; i < n; ++i) x[n + i] = (1 + x[i] * x[i]) * pace(i) + (i + 1 < n ? pace(i + 1) / 5 : 0);
   return x;
 }
-/// How far off the end of a run is from the motion that is known.
+/// error() returns the distance of the end of a run from the known motion.
 double error(const Request& request) {
   const auto from = straight(request.scene->initial), to = straight(final_of(request));
   double most = 0;
@@ -46,7 +46,7 @@ double error(const Request& request) {
   }
   return most;
 }
-/// A run to here is past the first quarter of each oscillation.
+/// The end of runs: past the first quarter of each oscillation.
 constexpr double end = 2;
 
 TEST(MetricLevel, EnergyMomentumHasOrderTwoAndKeepsTheDiscreteEnergy) {

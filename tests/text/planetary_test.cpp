@@ -1,4 +1,4 @@
-// Which scenes as text are bodies that revolve, and what is found in them.
+// Which scenes as text are recognized as orbiting bodies, and what is found in them.
 #include "core/text/planetary.hpp"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(PlanetaryText, AFixedCentreIsFoundHoweverItIsWritten) {
 }
 
 TEST(PlanetaryText, TheHeavyBodyIsTheCentre) {
-  // Coordinates in no order at all.
+  // The coordinates have no order at all.
   const auto found =
       bodies_in(with_masses(of(typed_v, {"a", "u", "b", "v", "w", "c"}, {},
                                "-(6/sqrt((a-b)^2+(u-v)^2) + 3*((c-b)^2+(w-v)^2)^(-0.5)) - 0.5/hypot(a-c, w-u) + a*t"),
@@ -89,7 +89,7 @@ TEST(PlanetaryText, TheHeavyBodyIsTheCentre) {
   EXPECT_EQ(found.pairs[0].strength, 0.5);
   EXPECT_EQ(found.rest.outputs(), 6U);
 
-  // Two bodies: their coordinates stand in the same term, and masses tell them apart.
+  // Two bodies: their coordinates occur in the same term, and only masses tell them apart.
   const auto two = bodies_in(
       with_masses(of(typed_v, {"a", "b", "c", "d"}, {}, "-1/sqrt((a-b)^2+(c-d)^2)"), {{"b", "2"}, {"c", "2"}}));
   ASSERT_EQ(two.bodies.size(), 2U);
@@ -128,7 +128,7 @@ TEST(PlanetaryText, WhatIsNoneIsRefusedByName) {
        "are those of one body");
 }
 
-// What the text says by default and the parameters of a request say otherwise.
+// The default of the text is a planetary scene, but the parameters of a request are not.
 TEST(PlanetaryText, ParametersMayUndoIt) {
   const auto mechanics = mechanics_of(of(typed_v, {"x", "y"}, {{"soft", 0}}, "-1/sqrt(x^2+y^2+soft)"));
   EXPECT_EQ(objection_to_scheme({mechanics, {0}, {}, 0}, "kepler_splitting"), "");
@@ -136,7 +136,7 @@ TEST(PlanetaryText, ParametersMayUndoIt) {
   EXPECT_EQ(objection_to_scheme({mechanics, {0.1}, {}, 0}, "leapfrog"), "");
 }
 
-// What a power of powers shares is not looked at again and again.
+// The shared parts of nested powers are examined only once.
 TEST(PlanetaryText, LargeTextsAreLookedAtQuickly) {
   std::string power = "x";
   for (int i = 0; i < 40; ++i) power = "(" + power + ")^2";

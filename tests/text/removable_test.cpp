@@ -1,5 +1,5 @@
-// Formulas that are 0/0 where the motion goes, as sin(x)/x at x = 0: beside that place rounding is all that is left of
-// their terms, and the motion is smooth.
+// Formulas that are 0/0 on the way, such as sin(x)/x at x = 0: near such a point rounding destroys their terms,
+// although the motion is smooth.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using namespace texts;
 
 constexpr auto typed_v = Definition::Kind::potential;
 
-/// a Σ (−r x²)ᵏ b!/(2k + b)!: the same functions as series, which lose no digit where they are needed here.
+/// a Σ (−r x²)ᵏ b!/(2k + b)!: the same functions as series, which lose no digits in this range.
 std::string even_series(double a, double r, int b) {
   std::string text;
   double c = a;
@@ -30,7 +30,7 @@ std::string even_series(double a, double r, int b) {
 
 struct Removable {
   std::string text, series;
-  double nearest = 1e-12;  ///< from where twice the digits are enough
+  double nearest = 1e-12;  ///< the smallest |x| for which doubled precision suffices
 };
 std::vector<Removable> all_of_them() {
   return {{"sin(x)/x", even_series(1, 1, 1)},
@@ -68,7 +68,7 @@ TEST(Removable, IsPassedByTaylorAsIfItWereNone) {
   }
 }
 
-// So near to it that twice the digits are not enough.
+// So near to 0 that doubled precision does not suffice.
 TEST(Removable, IsWarnedOfWhereNoDigitsAreLeft) {
   const auto typed = mechanics_of(of(typed_v, {"x"}, {}, "(sin(x) - x)/x^3"));
   for (const double x : {1e-12, 1e-11}) {
@@ -77,7 +77,7 @@ TEST(Removable, IsWarnedOfWhereNoDigitsAreLeft) {
   }
 }
 
-// Formulas of the time alone: the pole of sin(t)/t is none, that of 1/t is one however weak it is.
+// Formulas of time alone: sin(t)/t has no pole, 1/t has one, however small its factor.
 TEST(Removable, IsPassedInTime) {
   constexpr double si_1 = 0.946083070367183015;
   const auto over_zero = [](const char* rate) {

@@ -15,7 +15,7 @@ std::string ids(const std::vector<std::size_t>& schemes) {
   return all;
 }
 
-/// The variables of the text, in the order of the card.
+/// of_text() returns the variables of the text from a state, in the order of the card.
 std::vector<double> of_text(const ProblemCard& card, const std::vector<double>& state) {
   std::vector<double> shown;
   for (std::size_t i = 0; i < card.variables.size(); ++i)
@@ -28,7 +28,7 @@ class AsCompiled : public testing::TestWithParam<Typed> {};
 TEST_P(AsCompiled, HasTheSameSchemes) {
   const auto mechanics = mechanics_of(GetParam().definition);
   auto compiled = runs::problem_card(GetParam().id).schemes;
-  if (GetParam().definition.kind == Definition::Kind::equations)  // that a flow is a sum of exact flows no text says
+  if (GetParam().definition.kind == Definition::Kind::equations)  // no text says that a flow is a sum of exact flows
     std::erase_if(compiled, [&](std::size_t i) {
       return std::ranges::find(mechanics->card().schemes, i) == mechanics->card().schemes.end();
     });
@@ -48,7 +48,7 @@ TEST_P(AsCompiled, LeadsToTheSameStates) {
     Request compiled = runs::defaults(GetParam().id, id);
     compiled.end = compiled.scene->start + std::min(5.0, compiled.end - compiled.scene->start);
     runs::only_final(compiled);
-    // Without an estimate of the local frequency the other monitor is the one that both have.
+    // There is no estimate of the local frequency; both have the other monitor.
     if (id == "adaptive_verlet") runs::set(compiled, "monitor", "arclength");
     const Request typed = typed_as(compiled, mechanics);
     const auto a = runs::go(compiled).outcome, b = runs::go(typed).outcome;
@@ -61,7 +61,7 @@ TEST_P(AsCompiled, LeadsToTheSameStates) {
     double size = 1;
     for (const double x : a.final)
       if (std::isfinite(x)) size = std::max(size, std::abs(x));
-    // Schemes that choose their own steps choose others where rounding is another: good to their tolerance.
+    // Schemes that choose their own steps choose others when rounding differs: they agree to their tolerance.
     const double close = own_clock ? 1e-10 : 1e-12;
     for (std::size_t i = 0; i < state.size(); ++i) {
       if (std::isnan(a.final[i]) && std::isnan(state[i])) continue;
@@ -72,7 +72,7 @@ TEST_P(AsCompiled, LeadsToTheSameStates) {
   EXPECT_GE(compared, 3);
 }
 
-/// What diagnostics say that are made of the tangents of steps, of those that the problem has.
+/// tangents_in() returns the diagnostics that are computed from tangents of steps, as far as the problem has them.
 std::vector<double> tangents_in(Request request) {
   std::vector<std::string> asked;
   for (const char* path : {"structure/max_defect", "structure/factor", "lyapunov/exponent", "lyapunov/megno"}) {
@@ -102,7 +102,7 @@ TEST_P(AsCompiled, HasTheSameTangents) {
     if (keeps) {
       EXPECT_LT(found[0], 1e-12) << id;
     }
-    // Of the motion, along which it is followed where the scheme has no tangents, the path is another one.
+    // A scheme without tangents uses those of the true motion, which follows another path.
     const bool own_clock = schemes()[index].own_clock, of_motion = own_clock && schemes()[index].structure == "none";
     const double close = of_motion ? 1e-2 : own_clock ? 1e-4 : 1e-6;
     for (std::size_t i = keeps ? 1 : 0; i < known.size(); ++i) {
@@ -114,7 +114,7 @@ TEST_P(AsCompiled, HasTheSameTangents) {
   }
 }
 
-// A run as text carries room for variables that it does not have: nothing is to weigh them.
+// The state of a run as text has room for variables that the scene does not have: they must not contribute.
 TEST(AsCompiledTangents, GrowAsThoseOfTheCompiledProblem) {
   const std::set<std::string_view> some{"kepler", "kepler_3d", "pendulum", "damped_oscillator", "van_der_pol"};
   for (const Typed& typed : all()) {

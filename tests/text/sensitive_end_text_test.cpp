@@ -1,4 +1,5 @@
-// sensitive_end of random scenes typed as text whose motion is integrable, which is never chaotic, and of coupled ones.
+// sensitive_end of random scenes as text: there is none for integrable motions, which are never chaotic, and one for
+// coupled ones.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

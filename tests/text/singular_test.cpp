@@ -9,7 +9,7 @@ namespace {
 
 using namespace texts;
 
-// x = √(1 − 2t) ends at t = 1/2. Steps of equal length hardly ever meet the one place where its rate is none.
+// x = √(1 − 2t) ends at t = 1/2. Steps of equal length hardly ever meet the one point where its rate is undefined.
 TEST(SingularMotion, IsWarnedOfWhereARunGoesOnBeyond) {
   const auto mechanics = mechanics_of(flow({"x"}, {}, {{"x", "-1/x"}}));
   for (const char* scheme : {"explicit_euler", "explicit_midpoint", "runge_kutta_4"})
@@ -25,8 +25,8 @@ TEST(SingularMotion, IsWarnedOfWhereARunGoesOnBeyond) {
     }
 }
 
-// Exact flows and steps that follow the motion go along the limit of ellipses, which turn round at the centre: as of
-// the problem of the catalogue that is no motion, and is said.
+// Exact flows and adaptive steps follow the limit of ellipses, which turns back at the centre. This is not the motion:
+// as for the problem of the catalogue, there is a warning.
 TEST(SingularMotion, IsWarnedOfWhereAFallGoesThroughItsCentre) {
   const auto mechanics = mechanics_of(of(Definition::Kind::potential, {"x", "y"}, {}, "-1/sqrt(x^2 + y^2)"));
   const double collision = std::acos(-1.0) / std::sqrt(8.0);
@@ -48,7 +48,7 @@ TEST(SingularMotion, IsWarnedOfWhereAFallGoesThroughItsCentre) {
       }
 }
 
-// x = x₀/(1 − x₀t) ends at t = 1/x₀, however small it was when it began, and no run goes beyond.
+// x = x₀/(1 − x₀t) ends at t = 1/x₀, however small x₀ is, and no run goes beyond.
 TEST(SingularMotion, OfWhatBeginsSmallIsKnown) {
   const auto mechanics = mechanics_of(flow({"x"}, {}, {{"x", "x^2"}}));
   for (const char* scheme : {"taylor", "dormand_prince_5", "fehlberg_78", "bulirsch_stoer"})
@@ -63,8 +63,8 @@ TEST(SingularMotion, OfWhatBeginsSmallIsKnown) {
     }
 }
 
-// Close to a removable singularity one of the two series that a reference is made of may come to a place where it has
-// no more digits, and which of them is faster is chance.
+// Close to a removable singularity one of the two series of a reference may run out of digits. The result must not
+// depend on which of the two threads is faster.
 TEST(RemovableSingularity, HasOneReferenceWhoeverIsFaster) {
   Request request = typed_as(runs::defaults("kepler", "runge_kutta_4"),
                              mechanics_of(of(Definition::Kind::potential, {"x"}, {}, "sin(x)/x")));

@@ -37,7 +37,7 @@ TEST(SizedAdaptive, IsOfOrder2) {
       }
 }
 
-/// A problem with the local frequency of scenes as text, along a motion from x.
+/// Followed is a ring with the local frequency that scenes as text have, along a motion from x.
 template <int N, bool Coupled>
 struct Followed : Ring<N, Friction::none, Coupled> {
   using P = Ring<N, Friction::none, Coupled>;
@@ -91,7 +91,7 @@ TEST(SizedAdaptive, StatesAreThoseOfTheProblemThatIsCompiled) {
   is_as_compiled<9, true>();
 }
 
-// What is the same everywhere leaves steps as they are; so does what is not there.
+// A frequency that is constant leaves steps unchanged; so does a vanishing one.
 TEST(SizedAdaptive, IsLeapfrogWhereTheFrequencyDoesNotChange) {
   constexpr int n = 50;
   for (const char* potential : {"sum(i=1..50, i*q[i]^2/20)", "sum(i=1..50, q[i]/i)"}) {
@@ -121,7 +121,7 @@ TEST(SizedAdaptive, TheMomentumOfTheWholeIsKept) {
   }
 }
 
-// A local frequency of V″ alone vanishes at an inflection of V: steps of such a motion go through it.
+// A local frequency from V″ alone vanishes at an inflection of V: steps pass it.
 TEST(SizedAdaptive, GoesThroughInflections) {
   struct Case {
     const char* potential;

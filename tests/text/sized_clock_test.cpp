@@ -16,8 +16,8 @@ namespace {
 using namespace sized;
 constexpr auto typed_v = Definition::Kind::potential, typed_l = Definition::Kind::lagrangian;
 
-/// Toda's lattice closed to a ring, of which each body is bound to its place where `place` says so; with masses that
-/// couple neighbours or without.
+/// Toda's lattice closed to a ring, with an additional potential `place` of each body; with a kinetic matrix that
+/// couples neighbours or without.
 std::shared_ptr<const Mechanics> toda(int n, bool coupled = false, const char* place = "") {
   text::TypedScene typed;
   const std::string potential = "sum(i=1..n, exp(q[i] - q[mod(i,n)+1])" + std::string(place) + ")";
@@ -30,7 +30,7 @@ std::shared_ptr<const Mechanics> toda(int n, bool coupled = false, const char* p
   }
   return made(typed);
 }
-/// All of them drift.
+/// start_of() returns a start at which all bodies drift.
 std::vector<double> start_of(int n) {
   std::vector<double> x;
   for (int i = 0; i < n; ++i) x.push_back(0.5 * std::sin(1 + 2.3 * i * i));
@@ -40,13 +40,13 @@ std::vector<double> start_of(int n) {
 std::size_t column(const Request& request, std::string_view name) {
   return runs::position(runs::card(request).columns, name, [](const auto& c) { return c.name; });
 }
-/// What stands in some columns after every step.
+/// steps_of() returns the values of some columns after every step.
 std::vector<std::vector<double>> steps_of(Request request, std::initializer_list<std::string_view> columns) {
   request.record = {Record::Mode::every, 1, {}};
   request.columns.clear();
   for (const auto name : columns) request.columns.push_back(column(request, name));
   auto rows = runs::go(request).rows;
-  rows.erase(rows.begin());  // where the run begins there is no step yet
+  rows.erase(rows.begin());  // the row of the start belongs to no step
   return rows;
 }
 
@@ -63,7 +63,7 @@ TEST(SizedEnergyMomentum, HasOrderTwo) {
   }
 }
 
-// A constant beside V is nothing to the motion, nor to the lengths of steps, which follow from differences of V.
+// A constant in V changes neither the motion nor the lengths of steps, which depend on differences of V.
 TEST(SizedEnergyMomentum, DoesNotFeelAConstant) {
   for (const char* rest : {"x^2/2 + x^4/4", "x^2/2 + (y - x)^4/4 + y^2"}) {
     const bool two = std::string_view(rest).find('y') != std::string_view::npos;
@@ -102,7 +102,7 @@ TEST(SizedEnergyMomentum, KeepsDiscreteEnergyAndMomenta) {
     }
 }
 
-/// Kepler's motion of x and y, and others beside it that are bound to 0: at rest they change nothing.
+/// Kepler's motion of x and y beside `others` coordinates bound to 0, which change nothing while they rest.
 std::shared_ptr<const Mechanics> orbit(int others, bool coupled = false, const char* more = "") {
   text::TypedScene typed;
   const std::string potential = "-mu/sqrt(x^2 + y^2) + sum(i=1..n, z[i]^2/2 + z[i]^4/4)";
@@ -114,7 +114,7 @@ std::shared_ptr<const Mechanics> orbit(int others, bool coupled = false, const c
   }
   return made(typed);
 }
-/// From the apoapsis of an eccentric ellipse; each of the others here.
+/// apoapsis() starts at the apoapsis of an eccentric ellipse, with each other coordinate and momentum at `each`.
 std::vector<double> apoapsis(int others, double each = 0) {
   const auto n = static_cast<std::size_t>(others);
   std::vector<double> x(2 * (n + 2), each);
@@ -153,7 +153,7 @@ TEST(SizedJacobiMaupertuis, PassesThePeriapsisAsTheCompiledProblem) {
     for (const bool coupled : {false, true})
       for (const Way& way : ways) {
         Request typed = passages(orbit(others, coupled), apoapsis(others), 20, 0.01);
-        // How often θ is halved depends on how many coordinates there are.
+        // How often θ is halved depends on the number of coordinates.
         runs::set(typed, "alpha_max", std::nan(""));
         choose(typed, way);
         compiled.settings = typed.settings;
@@ -169,13 +169,13 @@ TEST(SizedJacobiMaupertuis, PassesThePeriapsisAsTheCompiledProblem) {
               off = std::max(off, std::isfinite(found[i][k]) ? std::abs(found[i][k] - expected[i][k]) : 1e300);
           fast += found[i][5] > 0;
         }
-        // The secant method of the published exit ends where h is known to half of the digits.
+        // The secant method of the published exit ends when h has half of its digits.
         EXPECT_LT(off, way.paper ? 1e-6 : 1e-8) << others << coupled << way.quadrature << way.order << way.paper;
         EXPECT_GT(fast, 100) << others << coupled << way.quadrature << way.order;
       }
 }
 
-// Twice as long coordinates of a quarter of the mass, stepped twice as far: the metric says that they are the same.
+// Coordinates twice as long with a quarter of the mass, stepped twice as far: by the metric they are the same.
 TEST(SizedJacobiMaupertuis, MeasuresLengthsByTheMetric) {
   text::TypedScene typed;
   typed.scene = of(typed_v, {"x", "y"}, {{"mu", 1}}, "-2*mu/sqrt(x^2 + y^2)");
@@ -222,7 +222,8 @@ TEST(SizedJacobiMaupertuis, HasItsOrdersWithOthersThatMove) {
   }
 }
 
-/// The change of a step and of how long it takes along a direction, by tangents and by differences of runs.
+/// expect_tangents() compares the derivatives of a step and of its duration along a direction by tangents and by
+/// differences of runs.
 void expect_tangents(const Request& given, const std::string& what, bool changes_length) {
   Request request = given;
   request.until_steps = true;
@@ -266,7 +267,7 @@ void expect_tangents(const Request& given, const std::string& what, bool changes
     if (!changes_length) {
       EXPECT_EQ(found.longer, 0) << what;
     }
-    // The level of a run may be what keeps the length of its first step: that of another run does not.
+    // Whether the first step keeps its length depends on the level of the run: with the level held fixed it changes.
     ChangeOfStep held;
     ASSERT_TRUE(
         tangents.along({request.scene->start, StateNumbers(start.data(), start.data() + size)}, {}, u, 0, 0, held));
@@ -295,7 +296,7 @@ TEST(SizedClock, TangentsAreCentralDifferences) {
     }
 }
 
-// In a well that is narrower than a step along any coordinate they go in time, and how long they are changes.
+// In a well narrower than a step along any coordinate steps are in time, and their lengths change.
 TEST(SizedClock, TangentsOfStepsThatCannotBeTakenAlongACoordinate) {
   for (const char* quadrature : {"trapezoid", "midpoint"}) {
     Request request = stepped("jacobi_maupertuis", toda(9, false, " + 50*q[i]^2"), std::vector<double>(18, 0.1), 1, 1);

@@ -1,5 +1,5 @@
-// Explicit contact schemes of damped scenes of many coordinates: Toda's lattice closed to a ring, with friction that is
-// constant or changes in time.
+// Explicit contact schemes for damped scenes of many coordinates: Toda's lattice closed to a ring, with friction that
+// is constant or changes in time.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,7 +61,7 @@ TEST(SizedDamped, SchemesHaveTheirOrders) {
     }
 }
 
-/// Many steps of a scheme on the problem that is compiled, as the card's variables.
+/// by_compiled() makes `steps` steps of a scheme on the compiled problem and returns the card's variables.
 template <class P, class Scheme>
 std::vector<double> by_compiled(const P& problem, const Scheme& scheme, const std::vector<double>& from, int steps) {
   auto x = state_of<FullStateOf<P>>(from);
@@ -110,7 +110,7 @@ TEST(SizedDamped, StatesAreThoseOfTheProblemThatIsCompiled) {
   is_as_compiled<9, Friction::constant, true>();
 }
 
-// Backwards in time friction drives: with the other sign of α, p and s a run leads back.
+// Backward in time friction accelerates: with the signs of α, p and s reversed a run returns.
 TEST(SizedDamped, SymmetricOnesLeadBack) {
   constexpr int n = 30;
   for (const Choice& choice : choices) {
@@ -141,7 +141,7 @@ TEST(SizedDamped, TheContactFormIsKept) {
     }
 }
 
-// Without the springs Σp decays by e^(−∫α), which a splitting has to round-off where α is constant.
+// Without the springs Σp decays by e^(−∫α); for constant α a splitting has that to round-off.
 TEST(SizedDamped, TheMomentumOfTheWholeDecays) {
   constexpr int n = 64;
   const auto whole = [](const std::vector<double>& x) {
@@ -204,8 +204,8 @@ TEST(SizedDamped, StrongDampingIsSaid) {
   EXPECT_FALSE(warned(chooses, 0.51, "stiff_step"));
 }
 
-/// Where a force has no series, as |x|^1.5 at x = 0, the truth is a run in quad precision, of the components that the
-/// motion needs: s is none of them, whether the run carries it or not.
+/// Where a force has no series, such as |x|^1.5 at x = 0, the truth is a run in quad precision of the variables that
+/// the motion needs. s is not one of them, whether the run carries it or not.
 TEST(SizedDamped, ErrorsAreThoseOfTheMotionWhereAForceHasNoSeries) {
   const auto scene =
       texts::mechanics_of(texts::damped(of(Definition::Kind::potential, {"x"}, {{"a", 0.23}}, "abs(x)^1.5"), "a"));
@@ -219,7 +219,7 @@ TEST(SizedDamped, ErrorsAreThoseOfTheMotionWhereAForceHasNoSeries) {
   const auto [final_coarse, coarse] = error(0.01, false);
   const auto [final_fine, fine] = error(0.005, false);
   EXPECT_LE(final_coarse, coarse);
-  EXPECT_NEAR(std::log2(coarse / fine), 1.5, 0.3);  // of the order 2 half is lost with the series
+  EXPECT_NEAR(std::log2(coarse / fine), 1.5, 0.3);  // without a series the order 2 drops by a half
   EXPECT_LT(coarse, 1e-3);
   EXPECT_EQ(error(0.01, true), std::pair(final_coarse, coarse));
 }
@@ -234,7 +234,7 @@ TEST(SizedDamped, TheyAreOfferedWhereThereIsDamping) {
   }
 }
 
-/// q̈ = −q − q̇/10 does not feel a constant beside V, of which s = −10 V (1 − e^{−t/10}) is soon more than 1e75.
+/// q̈ = −q − q̇/10 does not depend on a constant in V, although with it s = −10 V (1 − e^{−t/10}) soon exceeds 1e75.
 TEST(CarriedAction, HasNoSayInTheMotion) {
   constexpr auto V = Definition::Kind::potential;
   for (const int n : {1, 12}) {

@@ -14,7 +14,7 @@ namespace {
 using namespace sized;
 using std::numbers::pi;
 
-/// Bodies on a ring, each bound to its neighbours and to its place, under a drive.
+/// Bodies on a ring, each bound to its neighbours and to its own place, with a drive.
 std::shared_ptr<const Mechanics> ring(int n, const char* damping, bool coupled = false) {
   text::TypedScene typed;
   const std::string potential = "sum(i=1..n, exp(q[i] - q[mod(i,n)+1]) + q[i]^4/8) + q[1]*sin(t)/5";
@@ -30,7 +30,7 @@ std::shared_ptr<const Mechanics> ring(int n, const char* damping, bool coupled =
   }
   return made(typed);
 }
-/// With s.
+/// start_of() returns q, p and s.
 std::vector<double> start_of(int n) {
   std::vector<double> x;
   for (int i = 0; i < n; ++i) x.push_back(0.5 * std::sin(1 + 2.3 * i * i));
@@ -101,7 +101,7 @@ TEST(SizedGauss, ThereAndBackIsWhereItBegan) {
     runs::scene(back).start = 6;
     back.scene = std::make_shared<const Scene>(std::get<Scene>(backward(*back.scene)));
     auto again = final_of(back);
-    for (std::size_t i = n; i < again.size(); ++i) again[i] = -again[i];  // momenta and s of what goes backward
+    for (std::size_t i = n; i < again.size(); ++i) again[i] = -again[i];  // momenta and s of a scene that runs backward
     EXPECT_LT(distance(again, start), 1e-11) << stages;
   }
 }
@@ -118,7 +118,7 @@ TEST(SizedGauss, KeepsTheContactForm) {
       }
 }
 
-// Where the damping is not resolved one stage turns momenta over, and λ = (2 − αh)/(2 + αh) has no value at αh = −2.
+// Where the damping is not resolved one stage reverses momenta, and λ = (2 − αh)/(2 + αh) has a pole at αh = −2.
 TEST(SizedGauss, WarnsWhereTheDampingIsNotResolvedAndStopsAtItsPole) {
   Request request = gauss(ring(9, "alpha"), start_of(9), 10, 1, 1);
   runs::set(request, "alpha", 2.5);

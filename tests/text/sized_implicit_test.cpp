@@ -1,4 +1,4 @@
-// Variational schemes of scenes of many coordinates, by Newton's method on a matrix that is as sparse as the potential:
+// Variational schemes for scenes of many coordinates, by Newton's method with a matrix as sparse as the potential:
 // Toda's lattice, which is integrable, chains whose steps are known in closed form, stars that all attract each other.
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using namespace sized;
 using std::numbers::pi;
 constexpr auto typed_v = Definition::Kind::potential, typed_l = Definition::Kind::lagrangian;
 
-/// Toda's lattice closed to a ring, of unequal masses unless they are 1.
+/// Toda's lattice closed to a ring; with `unequal`, of unequal masses.
 std::shared_ptr<const Mechanics> toda(int n, double alpha = 0, bool unequal = false) {
   text::TypedScene typed;
   typed.scene = of(typed_v, {"q[n]"}, {{"n", double(n)}, {"alpha", alpha}}, "sum(i=1..n, exp(q[i] - q[mod(i,n)+1]))");
@@ -59,7 +59,7 @@ TEST(SizedImplicit, SchemesHaveTheirOrders) {
   }
 }
 
-// A step of the midpoint rule turns each mode of a harmonic chain by the angle 2 atan(ωh/2), however long it is.
+// A step of the midpoint rule rotates each mode of a harmonic chain by 2 atan(ωh/2), however long it is.
 TEST(SizedImplicit, StepsBeyondTheBoundOfLeapfrogAreThoseOfTheMidpointRule) {
   constexpr int n = 200, k = 190;  // a fast mode
   const double omega = 2 * std::sin(k * pi / (2 * (n + 1))), h = 3, steps = 7;
@@ -92,8 +92,8 @@ TEST(SizedImplicit, ThereAndBackIsWhereItBegan) {
   }
 }
 
-/// The largest entry of MᵀJM − λJ, over those of M, for the map of q and p over some steps by central differences; λ is
-/// what fits the first entry.
+/// defect() returns the largest entry of MᵀJM − λJ, relative to those of M, for the map of q and p over some steps by
+/// central differences; λ is fitted to the first entry.
 double defect(const char* scheme, const std::shared_ptr<const Mechanics>& mechanics, const std::vector<double>& start) {
   const std::size_t n = start.size() / 2;
   std::vector<std::vector<double>> columns;
@@ -130,7 +130,7 @@ TEST(SizedImplicit, MapsAreSymplecticOrScaleTheForm) {
   EXPECT_GT(defect("runge_kutta_4", free, start), 1e-5) << "it sees no form at all";
 }
 
-// Σp is kept by each step to round-off, H within bounds that fall with the order.
+// Each step keeps Σp to round-off; the error of H stays within bounds that shrink with the order.
 TEST(SizedImplicit, TodasLatticeKeepsItsEnergyOverLongRuns) {
   constexpr int n = 64;
   const auto energy = [&](const char* scheme, double step) {
@@ -150,8 +150,8 @@ TEST(SizedImplicit, TodasLatticeKeepsItsEnergyOverLongRuns) {
   EXPECT_NEAR(std::log2(energy("galerkin_4", 0.2) / energy("galerkin_4", 0.1)), 4, 0.4);
 }
 
-// Evaluations are what a step costs: of a chain as many whatever its length, of bodies that all attract each other one
-// for every direction.
+// The cost of a step is in evaluations: for a chain their number does not depend on the length of the chain, for bodies
+// that all attract each other there is one for every direction.
 TEST(SizedImplicit, StepsOfChainsTakeAsManyEvaluationsWhateverTheirLength) {
   const auto evaluations = [](int n) {
     return double(
@@ -178,7 +178,7 @@ TEST(SizedImplicit, BodiesThatAllAttractEachOtherMoveAsTheyShould) {
   EXPECT_NEAR(std::log2(error("galerkin_4", 0.4) / error("galerkin_4", 0.2)), 4, 0.4);
 }
 
-// A kinetic matrix that is constant but not diagonal, of which the whole matrix is one.
+// A kinetic matrix that is constant but not diagonal; it is full.
 TEST(SizedImplicit, TakesConstantMetricsThatAreNotDiagonal) {
   text::TypedScene typed;
   typed.scene =
@@ -195,7 +195,7 @@ TEST(SizedImplicit, TakesConstantMetricsThatAreNotDiagonal) {
 }
 
 TEST(SizedImplicit, DiscreteEnergiesAreThoseOfTheClassThatIsCompiled) {
-  // Nine coordinates, of which one stays where it is, and the eight others alone.
+  // Nine coordinates, one of which stays at rest, and the eight others alone.
   const auto ring = [](int n) {
     text::TypedScene typed;
     typed.scene = of(typed_v, {"q[n]"}, {{"n", double(n)}}, "sum(i=1..8, exp(q[i] - q[mod(i,8)+1]))");

@@ -1,5 +1,5 @@
-// Scenes of more coordinates than any class is compiled for whose kinetic energy depends on the place, or whose momenta
-// and places mix: variational schemes and Gauss' collocation.
+// Scenes of more coordinates than any compiled class has, whose kinetic energy depends on position, or whose
+// Hamiltonian mixes momenta and positions: variational schemes and Gauss' collocation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,14 +13,14 @@ namespace {
 using namespace sized;
 constexpr auto typed_l = Definition::Kind::lagrangian, typed_h = Definition::Kind::hamiltonian;
 
-/// Eight beads on a wire that bends, bound to their neighbours; of nine the last is alone.
+/// Eight beads on a bent wire, bound to their neighbours; a ninth is alone.
 std::shared_ptr<const Mechanics> beads(int n) {
   text::TypedScene typed;
   typed.scene = of(typed_l, {"q[n]"}, {{"n", double(n)}},
                    "sum(i=1..n, v[i]^2*(1 + q[i]^2)/2) - sum(i=1..7, (q[i+1] - q[i])^2/2) - sum(i=1..n, q[i]^4/4)");
   return made(typed);
 }
-/// H = Σ (q² + p²)²/8 + what binds neighbours: without it each pair turns with the frequency (q² + p²)/2.
+/// H = Σ (q² + p²)²/8 + `bond`, which couples neighbours: without it each pair rotates with the frequency (q² + p²)/2.
 std::shared_ptr<const Mechanics> turning(int n, const char* bond) {
   text::TypedScene typed;
   typed.scene = of(typed_h, {"q[n]"}, {{"n", double(n)}}, std::string("sum(i=1..n, (q[i]^2 + p[i]^2)^2/8)") + bond);
@@ -31,7 +31,7 @@ std::vector<double> start_of(int n) {
   for (int i = 0; i < 2 * n; ++i) x.push_back(0.8 * std::sin(1 + 2.3 * i * i));
   return x;
 }
-/// The same with one more coordinate, which rests.
+/// The same state with one more coordinate, at rest.
 std::vector<double> with_one_more(std::vector<double> x) {
   x.insert(x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), 0);
   x.push_back(0);
@@ -69,7 +69,7 @@ TEST(SizedMetric, SchemesHaveTheirOrders) {
     EXPECT_NEAR(std::log2(coarse / fine), order, 0.2) << scheme;
     EXPECT_GT(fine, 1e-11) << scheme;
   }
-  // Gauss' collocation keeps each q² + p², and with it the shape of the orbit: only the angle is off.
+  // Gauss' collocation keeps each q² + p², and with it the shape of the orbit: only the angle has an error.
   const auto free = turning(n, "");
   for (const int stages : {1, 2, 3}) {
     const auto error = [&](double step) {

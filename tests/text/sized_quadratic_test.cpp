@@ -1,4 +1,4 @@
-// Scenes quadratic in s of more coordinates than two hands count: schemes that keep the contact form.
+// Scenes with H quadratic in s and more than ten coordinates: schemes that keep the contact form.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,8 +10,8 @@ namespace {
 
 using namespace sized;
 
-/// n oscillators in one expanding universe, H = Σ(p² + q²)/2 + γs²/2 − R, each bound to the next; of masses that couple
-/// or not.
+/// n oscillators in one expanding universe, H = Σ(p² + q²)/2 + γs²/2 − R, each bound to the next; with a kinetic matrix
+/// that couples or not.
 std::shared_ptr<const Mechanics> oscillators(int n, double bond = 0, bool coupled = false) {
   text::TypedScene typed;
   const std::string rest = "sum(i=1..n, q[i]^2/2) + b*sum(i=1..n-1, (q[i+1] - q[i])^4/4)";
@@ -30,7 +30,7 @@ std::vector<double> start_of(int n, double s) {
 constexpr const char* schemes_of_any_size[] = {"contact_leapfrog", "contact_splitting", "contact_symplectic_euler"};
 constexpr const char* implicit_schemes[] = {"contact_variational_midpoint", "contact_galerkin_4", "contact_gauss"};
 
-/// Where all move alike, Q = √n q is one oscillator, and no scheme tells them apart.
+/// Where all move alike, Q = √n q is a single oscillator, and every scheme gives the same motion for both.
 void expect_one_motion(const char* scheme, int n) {
   Request one = runs::defaults("cosmological_oscillator", scheme);
   one.end = 6;
@@ -78,7 +78,7 @@ TEST(SizedQuadratic, SchemesHaveTheirOrdersAndKeepTheForm) {
   }
 }
 
-/// ṡ = −s²/2 where nothing else moves: s is lost at t = −2/s₀, and a run says so.
+/// ṡ = −s²/2 where nothing else moves: s diverges at t = −2/s₀, and the run says so.
 TEST(SizedQuadratic, ManyBlowUpWhenTheActionDoes) {
   text::TypedScene typed;
   typed.scene = quadratic(of(Definition::Kind::potential, {"q[20]"}, {}, "0*q[1]"), "1", "0");
@@ -92,7 +92,7 @@ TEST(SizedQuadratic, ManyBlowUpWhenTheActionDoes) {
   }
 }
 
-// What has no part γs²/2 in its steps has not its pole at γsh = −2 either: what feeds s turns it back.
+// Schemes without a part γs²/2 do not have its pole at γsh = −2: the source turns s back.
 TEST(SizedQuadratic, PolesOfPartsAreThoseOfSchemesThatHaveThem) {
   text::TypedScene typed;
   typed.scene = quadratic(of(Definition::Kind::potential, {"q[20]"}, {}, "0*q[1]"), "1", "1000");

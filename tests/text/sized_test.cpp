@@ -1,4 +1,4 @@
-// Scenes as text of many coordinates: motions that are known.
+// Scenes as text of many coordinates with known motions.
 #include "tests/support/sized.hpp"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ namespace {
 using namespace texts;
 using std::numbers::pi;
 
-/// n masses between springs and two walls: q_j = sin(jkπ/(n + 1)) cos ωt, ω = 2 sin(kπ/2(n + 1)); damped by αs with
-/// ω² − α²/4 and e^{−αt/2}.
+/// n masses between springs and two walls: q_j = sin(jkπ/(n + 1)) cos ωt, ω = 2 sin(kπ/2(n + 1)); with damping αs, ω² −
+/// α²/4 in place of ω² and a factor e^{−αt/2}.
 struct Chain {
   int n;
   double alpha = 0;

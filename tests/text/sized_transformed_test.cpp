@@ -15,7 +15,7 @@ namespace {
 
 using namespace rings;
 
-/// A step of the parameter that is about so long in time.
+/// transformed() requests steps in the parameter that are about `step` long in time.
 Request transformed(const std::shared_ptr<const Mechanics>& mechanics, const std::vector<double>& from, double end,
                     double step, const char* composition = "none") {
   Request request = request_by("time_transformed", mechanics, from, end);
@@ -99,8 +99,7 @@ TEST(SizedTransformed, StatesAreThoseOfTheProblemThatIsCompiled) {
   is_as_compiled<9, Friction::timed>();
 }
 
-/// The tangents of a run's first step but those of a run that began elsewhere, against those of the problem that is
-/// compiled.
+/// The tangents of a step from a state that is not the start of the run, against those of the compiled problem.
 template <int N, Friction friction>
 void has_the_same_tangents() {
   using P = Ring<N, friction>;
@@ -143,7 +142,7 @@ void has_the_same_tangents() {
     ASSERT_TRUE(step);
     known = tangent_map(step->start, step->tangent);
     EXPECT_TRUE(found.extended);
-    // Of a run that does not carry s the same, but for what s itself changes by.
+    // For a run that does not carry s the same, except for the change of s itself.
     TangentMap without;
     ASSERT_TRUE(
         tangents.extended({at.t, StateNumbers(at.numbers.begin(), at.numbers.begin() + 2 * N)}, always, without));
@@ -167,8 +166,8 @@ TEST(SizedTransformed, TangentsAreThoseOfTheProblemThatIsCompiled) {
   has_the_same_tangents<9, Friction::timed>();
 }
 
-// Symplectic at the level of a run's start, with friction a contact map of the space that has the time, too; λ =
-// e^(−∫α).
+// Symplectic at the energy level of the run's start; with friction a contact map of the space extended by time, with λ
+// = e^(−∫α).
 TEST(SizedTransformed, TheFormIsKept) {
   for (const int n : {9, 100})
     for (const Friction friction : frictions) {
@@ -185,7 +184,7 @@ TEST(SizedTransformed, TheFormIsKept) {
     }
 }
 
-// p is only ever multiplied and pushed along ∇V: without the springs Σp decays by e^(−∫α) at every step.
+// p is only scaled and pushed along ∇V: without the springs Σp decays by e^(−∫α) at every step.
 TEST(SizedTransformed, TheMomentumOfTheWholeDecays) {
   constexpr int n = 40;
   for (const Friction friction : {Friction::none, Friction::constant}) {

@@ -1,4 +1,4 @@
-// Forces of which the series at the start shows nothing: taylor sees them come, at every tolerance.
+// Forces that the series at the start does not show: taylor notices them in time, at every tolerance.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ using namespace texts;
 struct Sleeper {
   const char* name;
   Definition definition;
-  double end, right;  ///< the first variable there, from rest at zero
+  double end, right;  ///< the first variable at the end, from rest at 0
   double start = 0;
 };
 

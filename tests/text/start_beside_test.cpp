@@ -1,4 +1,4 @@
-// Starts at a pole of the coordinates that the motion goes through.
+// Starts at a singularity of the coordinates that the motion passes.
 #include "core/catalogue/start_beside.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,8 @@ Scene scene_of(const Definition& definition, const std::vector<double>& start, d
     scene.initial.push_back(variable.hidden || next == start.size() ? 0 : start[next++]);
   return scene;
 }
-/// The variables of the text at the end of a run from the start beside; empty where there is none.
+/// final_of() returns the text's variables at the end of a run from a start beside the singularity; empty where there
+/// is no such start.
 std::vector<double> final_of(Scene scene, std::string_view scheme, double end) {
   const auto other = start_beside(scene);
   if (!other) return {};
@@ -53,7 +54,7 @@ Definition sphere_by_momenta() {
   return of(typed_h, {"theta", "phi"}, {}, "ptheta^2/2 + pphi^2/(2*sin(theta)^2) - cos(theta)");
 }
 
-// Without a momentum around the pole it is a plane pendulum, whose equations know no pole.
+// Without a momentum about the pole it is a plane pendulum, whose equations have no pole.
 TEST(StartAtThePole, OfASphericalPendulumIsThatOfAPlaneOne) {
   const Definition plane = of(typed_l, {"theta"}, {}, "vtheta^2/2 + cos(theta)");
   for (const double rate : {1.0, -0.3, 2.5}) {
@@ -78,7 +79,7 @@ TEST(StartAtThePole, OfASphericalPendulumIsThatOfAPlaneOne) {
   }
 }
 
-// At rest on top of the sphere nothing happens, for as long as rounding lets it.
+// At rest on top of the sphere nothing happens, for as long as rounding permits.
 TEST(StartAtThePole, AtRestStaysThere) {
   for (const char* potential : {"cos(theta)", "-cos(theta)"}) {
     const auto x = final_of(scene_of(sphere(potential), {0, 0, 0, 0}), "taylor", 40);
@@ -87,7 +88,7 @@ TEST(StartAtThePole, AtRestStaysThere) {
   }
 }
 
-// In the plane by polar coordinates: straight through the middle of an oscillator, r = sin t; and where two poles meet.
+// Polar coordinates in the plane: straight through the middle of an oscillator, r = sin t; and where two poles meet.
 TEST(StartAtThePole, OfOtherCoordinates) {
   const Definition polar = of(typed_l, {"r", "phi"}, {}, "(vr^2 + r^2*vphi^2 - r^2)/2");
   auto x = final_of(scene_of(polar, {0, 0.2, 1, 0}), "taylor", 2);
@@ -114,18 +115,18 @@ TEST(StartAtThePole, IsRefusedWhereTheMotionHasNoLimit) {
     std::vector<double> start;
     const char* advice;
   } rows[] = {
-      {sphere_by_momenta(), {0, 0, 0.3, 0.1}, "at theta = 0.001"},  // a momentum around the pole
+      {sphere_by_momenta(), {0, 0, 0.3, 0.1}, "at theta = 0.001"},  // a momentum about the pole
       {of(typed_l, {"r", "phi"}, {}, "(vr^2 + r^2*vphi^2)/2 + 1/r"), {0, 0, 0, 0}, "at r = 0.001"},
       {of(typed_h, {"x", "y"}, {}, "(px^2 + py^2)/2 - 1/sqrt(x^2 + y^2)"), {0, 0, 1, 0}, "at x = 0.001"},
       {flow({"x", "v"}, {}, {{"x", "v"}, {"v", "-1/x"}}), {0, 1}, "at x = 0.001"},
-      // v = c x² for every c, so that from x = 0 there are many motions.
+      // v = c x² for every c, so that many motions begin at x = 0.
       {flow({"x", "v"}, {}, {{"x", "1"}, {"v", "1 + 2*v/x"}}), {0, 0}, "at x = 0.001"},
-      // Lane and Emden's: that v/t is 1/3 of the force at the start is known to the series alone.
+      // Lane and Emden's equation: only its series knows that v/t is 1/3 of the force at the start.
       {flow({"x", "v"}, {}, {{"x", "v"}, {"v", "-2*v/t - x"}}),
        {1, 0},
        "at t = 0.001, it is regular: start there, with"},
       {flow({"x"}, {}, {{"x", "log(x)"}}), {0}, "at x = 0.001"},
-      // Two vortices on one spot: beside it they turn so fast that nothing is seen of it in a few steps.
+      // Two vortices at one point: beside it they rotate so fast that a few steps show nothing.
       {flow({"x", "y"}, {}, {{"x", "(x-1)/((x-1)^2+(y-1)^2)"}, {"y", "-(y-1)/((x-1)^2+(y-1)^2)"}}),
        {1, 1},
        "at x = 1.001"},
@@ -141,7 +142,7 @@ TEST(StartAtThePole, IsRefusedWhereTheMotionHasNoLimit) {
   }
 }
 
-// Where a scene that says no start can begin.
+// Where a scene without a given start can begin.
 TEST(RegularStart, IsAtZeroOrWithOneCoordinateApartOrAll) {
   const struct {
     Definition definition;
@@ -158,7 +159,7 @@ TEST(RegularStart, IsAtZeroOrWithOneCoordinateApartOrAll) {
     EXPECT_EQ(regular_start(scene_of(definition, {})).value_or(std::vector<double>{}), start) << definition.formula;
 }
 
-// Forty bodies at one place: each look at another start writes 780 attractions down anew, for 120 coordinates.
+// Forty bodies at one place: each other start that is tried evaluates 780 attractions anew, for 120 coordinates.
 TEST(RegularStart, OfManyBodiesFewStartsAreLookedAt) {
   constexpr double enough = 1.5;  // seconds of the processor; all of them took 4.4
   text::TypedScene typed;

@@ -1,4 +1,4 @@
-// Matrices of second derivatives, of which the entries alone are kept that are not zero.
+// Matrices of second derivatives that store only the entries that are not zero.
 #include "core/text/symbol_matrix.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ std::vector<double> entries_of(const SymbolMatrix& matrix) {
     for (const auto& entry : matrix.row(i)) all.push_back(entry.value.constant());
   return all;
 }
-/// Symmetric, positive definite, in two blocks of which the rows are mixed.
+/// two_blocks() returns a symmetric, positive definite matrix of two blocks whose rows are interleaved.
 Square two_blocks(std::size_t n) {
   std::minstd_rand random(3);
   Square made(n, std::vector<double>(n, 0));
@@ -72,7 +72,7 @@ TEST(SymbolMatrix, HasItsInverse) {
   expect_unit(a, c);
 }
 
-// Where a pivot is zero rows change places; where all are there is no inverse.
+// Where a pivot is zero rows are exchanged; where all are zero there is no inverse.
 TEST(SymbolMatrix, ExchangesRows) {
   const Square swapped{{0, 2, 0}, {1, 0, 0}, {0, 3, 4}};
   const auto inverse = text::inverse_of(symbols_of(swapped));
@@ -133,7 +133,7 @@ TEST(SymbolMatrix, IsRegularOrNotAtAnySize) {
     const auto regular = regularity(a);
     EXPECT_GT(regular.reciprocal_condition, 1e-7) << n;
     EXPECT_NEAR(regular.log_determinant, 0, 1e-9) << n;
-    // In units that are far apart, which change nothing.
+    // Units far apart do not change the result.
     Square in_units = a;
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j) in_units[i][j] *= (i % 2 ? 1e9 : 1) * (j % 2 ? 1e9 : 1);

@@ -1,4 +1,4 @@
-// What is made of a text on its tape: derivatives against dual numbers, and texts that are printed and read back.
+// Operations on the tape of a text: derivatives against dual numbers, and texts that are printed and read back.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 using namespace least;
 using text::Expression;
 
-/// One or more of every operation; x and y are 0.7 and 1.3, t is 0.4.
+/// At least one of every operation; x and y are 0.7 and 1.3, t is 0.4.
 constexpr const char* texts_of_all_kinds[] = {
     "x*y - x/y + 3*x - y/4 + 2/x",
     "x^2 + y^3 - x^(-2) + x^0.5 + y^1.25 + (x*y)^(-1.5)",
@@ -70,7 +70,7 @@ TEST(TapeOfText, DerivativesAreThoseOfDualNumbers) {
     EXPECT_EQ(truth.value, value(recorded, recorded.symbol, at)) << text;
     for (std::size_t i = 0; i < 2; ++i)
       EXPECT_NEAR(value(recorded, gradient[i], at), truth.slope[i], 1e-14 * (1 + std::abs(truth.slope[i]))) << text;
-    // Second derivatives: those of the gradient.
+    // Second derivatives, from the gradient of the gradient.
     for (std::size_t i = 0; i < 2; ++i) {
       const auto second = tape::gradient(recorded.tape, gradient[i], std::array{0, 1});
       const D along = value(recorded, gradient[i], seeds);
@@ -117,8 +117,8 @@ TEST(TapeOfText, OtherSymbolsTakeThePlaceOfVariables) {
   EXPECT_DOUBLE_EQ(result, 9 * std::sin(0.5) + 0.75);
 }
 
-// Values of which each holds the one before cost, substituted one after the other, what the last of them costs alone:
-// about as much, where it was their number times that.
+// Each of many values contains the one before. Substituting all of them one after the other costs about as much as
+// substituting the last one alone, not that times their number.
 TEST(TapeOfText, SharedPartsAreSubstitutedOnce) {
   constexpr std::size_t count = 4000;
   Recorded recorded;
@@ -148,7 +148,7 @@ TEST(TapeOfText, SharedPartsAreSubstitutedOnce) {
   EXPECT_LT(least_ratio, 20) << "of " << count << " values";
 }
 
-// Many alike are evaluated in batches: to the last bit what each of them is on its own.
+// Many operations alike are evaluated in batches, with the bits of each evaluated alone.
 TEST(TapeOfText, BatchesAreTheirParts) {
   constexpr std::size_t copies = 300;  // more than a block of a batch
   tape::Tape tape;
@@ -157,7 +157,7 @@ TEST(TapeOfText, BatchesAreTheirParts) {
   std::vector<tape::Index> all;
   for (std::size_t k = 0; k < copies; ++k) {
     at.push_back(0.7 + 0.9 * std::sin(static_cast<double>(k)));
-    // Of neighbours, of one that all share, and of themselves.
+    // With a neighbour, with one that all share, and with itself.
     const std::size_t other = k % 3 == 0 ? (k + 1) % copies : k % 3 == 1 ? 5 : k;
     const text::Word words[] = {
         {"x", Symbol::variable(tape, k)}, {"y", Symbol::variable(tape, other)}, {"t", Symbol::time(tape)}};
@@ -187,8 +187,8 @@ TEST(TapeOfText, BatchesAreTheirParts) {
   }
 }
 
-// Sums of many terms run beside each other, of products that run tile by tile; what they give is to the last bit what
-// one operation after the other gives, of whatever length and signs, also where a sum goes on after it was asked for.
+// Long sums are evaluated beside each other, and their products tile by tile. They have the bits of one operation after
+// the other, whatever their lengths and signs, also where a sum is continued after it was used.
 TEST(TapeOfText, LongSumsAreTheirTermsOneAfterTheOther) {
   constexpr std::size_t n = 45;
   tape::Tape tape;

@@ -1,4 +1,4 @@
-// The table of the field's published tests as Markdown on the standard output. Written by `./dev torture`.
+// Prints the table of published tests of the field as Markdown on the standard output, for `./dev torture`.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

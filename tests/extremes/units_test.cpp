@@ -205,6 +205,7 @@ TEST(UnitsOfAScene, WhatRestsHasTheSameSizeOverAnySpan) {
   }
 }
 
+// A time that is long in the scene's units is not a long step.
 TEST(UnitsOfAScene, SeriesStepAsFarWhereTheUnitOfTimeIsShort) {
   const std::size_t taylor = find_scheme("taylor").value();
   for (Posed (*scene)(const Units&) : {kepler, oscillator}) {

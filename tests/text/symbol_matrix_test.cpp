@@ -118,9 +118,8 @@ TEST(SymbolMatrix, TellsSignsOfPivots) {
   EXPECT_TRUE(text::is_indefinite(symbols_of({{1, 2}, {2, 1}})));
 }
 
-// A chain of a thousand coordinates holds next to nothing; what is full is refused before it takes time or memory.
-/// min(i, j), as masses of a chain of pendulums: its condition grows as 4 n² / π² does, its determinant, 1, is ever
-/// smaller beside the product of its rows.
+/// min(i, j), as masses of a chain of pendulums: the condition grows as 4 n² / π², and the determinant is 1, ever
+/// smaller beside the product of the rows.
 TEST(SymbolMatrix, IsRegularOrNotAtAnySize) {
   const auto regularity = [](const Square& a) {
     const SymbolMatrix matrix = symbols_of(a);
@@ -147,6 +146,7 @@ TEST(SymbolMatrix, IsRegularOrNotAtAnySize) {
   EXPECT_FALSE(regularity({{2, NAN}, {NAN, 1}}).reciprocal_condition > 0);
 }
 
+// A chain of a thousand coordinates takes hardly any memory; a full matrix is refused before it takes time or memory.
 TEST(SymbolMatrix, TakesWhatItsEntriesTake) {
   constexpr std::size_t n = 1024;
   SymbolMatrix chain(n), full(n);

@@ -1,4 +1,4 @@
-// Requests abandoned: clients that go away while their answer is computed, or while they read it.
+// Abandoned requests: clients that go away while their answer is computed, or while they read it.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -28,7 +28,7 @@ class Abandoned : public testing::Test {
     return ask(service->port(), post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":9}})"))
         .status;
   }
-  // Whether the place becomes free long before the limits of the requests below.
+  // is_free_soon() says whether the place becomes free long before the limits of the requests below.
   bool is_free_soon() const {
     for (const auto from = Clock::now(); Clock::now() - from < 15s; std::this_thread::sleep_for(20ms)) {
       if (run() == 200) return true;
@@ -100,7 +100,7 @@ TEST_F(Abandoned, BetweenTheLinesOfAnAnswer) {
   EXPECT_TRUE(is_free_soon());
 }
 
-// The first lines of a run come long before its end: its place is still taken when they are there.
+// The first lines of a run arrive long before its end: its place is still taken then.
 TEST_F(Abandoned, LinesLeaveWhileItComputes) {
   start();
   std::string request = fixed_steps;
@@ -121,7 +121,7 @@ TEST_F(Abandoned, LinesLeaveWhileItComputes) {
   EXPECT_TRUE(is_free_soon());
 }
 
-// Tens of megabytes, of which a client takes the beginning: the only connection is free for the next one at once.
+// Tens of megabytes, of which a client takes the beginning: the only connection is free for the next client at once.
 TEST_F(Abandoned, InTheMiddleOfALargeAnswer) {
   settings.connections = 1;
   settings.bounds.stall = 20s;

@@ -1,4 +1,5 @@
-// Who of one address goes first, who is told at once that its turn does not come, and when it is worth to ask again.
+// The order of turns among clients of one address, refusals at once where a turn cannot come, and the time to ask
+// again.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -22,13 +23,13 @@ using MaybePass = std::optional<Admission::Pass>;
 
 AccountPtr account(const std::string& address = "a") { return std::make_shared<Account>(address); }
 
-// What became of one that waits.
+// Waiting tells what became of a request that waits.
 struct Waiting {
   bool refused = false;
   std::shared_ptr<MaybePass> pass = std::make_shared<MaybePass>();
 };
 
-// It passes when the test says so.
+// Time is a clock that advances when the test says so.
 class Time {
  public:
   std::function<Admission::Clock::time_point()> clock() {
@@ -40,7 +41,7 @@ class Time {
   Admission::Clock::time_point now_{1h};
 };
 
-// Puts it into the queue; `order` takes its name when its turn has come.
+// ask_for_turn() puts a request into the queue; `name` is appended to `order` when its turn has come.
 std::shared_ptr<Waiting> ask_for_turn(Admission& admission, const AccountPtr& who, std::chrono::milliseconds patience,
                                       std::string* order = nullptr, char name = ' ') {
   auto waiting = std::make_shared<Waiting>();
@@ -52,7 +53,7 @@ std::shared_ptr<Waiting> ask_for_turn(Admission& admission, const AccountPtr& wh
   return waiting;
 }
 
-// An account that is known, and has computed for so many seconds.
+// after() returns a known account that has computed for so many seconds.
 AccountPtr after(Admission& admission, double seconds) {
   auto who = account();
   EXPECT_TRUE(admission.enter(who));
@@ -60,7 +61,7 @@ AccountPtr after(Admission& admission, double seconds) {
   return who;
 }
 
-// Gives the place back as often as somebody has it.
+// serve_all() gives places back until nobody holds one.
 void serve_all(std::vector<std::shared_ptr<Waiting>>& all) {
   for (bool found = true; found;) {
     found = false;
@@ -109,8 +110,8 @@ TEST(Accounts, AFullQueueMakesRoomForWhoComputedLess) {
   EXPECT_TRUE(ask_for_turn(admission, more, 20s)->refused) << "it computed most";
 }
 
-// Seventeen that ask without a pause, and one behind the same address that asks now and then, for runs that take much
-// less.
+// Seventeen clients that ask without a pause, and one with the same address that asks now and then, for much shorter
+// runs.
 TEST(Accounts, ManyConnectionsDoNotShutOutOneOfTheirAddress) {
   struct Asking {
     std::chrono::milliseconds takes;
@@ -156,7 +157,7 @@ TEST(Accounts, WhoseTurnCannotComeIsToldAtOnceAndWhen) {
   auto a = admission.enter("a"), b = admission.enter("b");
   a->may_take(60);
   b->may_take(30);
-  time.pass(150ms);  // they are at it
+  time.pass(150ms);  // both compute
   const auto who = account("c");
   EXPECT_TRUE(ask_for_turn(admission, who, 10s)->refused);
   EXPECT_GT(admission.retry_after(who), 25);
@@ -165,7 +166,7 @@ TEST(Accounts, WhoseTurnCannotComeIsToldAtOnceAndWhen) {
   admission.close();
 }
 
-// A limit is no more than a limit where runs do not come near theirs.
+// Limits of seconds are not taken for durations where runs end long before them.
 TEST(Accounts, LimitsThatNobodyUsesTurnNobodyAway) {
   Time time;
   Admission admission(1, 100, nullptr, time.clock());

@@ -1,4 +1,4 @@
-// Events that act, over HTTP: bounces, kicks, switches and billiards, whose motion is known.
+// Events that act, over HTTP: bounces, kicks, switches and billiards with known motions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,8 @@ using std::numbers::pi;
 
 class EventsThatAct : public Asking {
  protected:
-  /// A ball that falls from the height 1 with g = 1 and keeps so much of its speed at each bounce.
+  /// ball() is a ball that falls from the height 1 with g = 1 and keeps the part `restitution` of its speed at each
+  /// bounce.
   static Json ball(double restitution) {
     return {
         {"problem", {{"id", "custom"}, {"variables", {"x"}}, {"parameters", {{"r", restitution}}}, {"potential", "x"}}},
@@ -28,7 +29,7 @@ class EventsThatAct : public Asking {
   }
 };
 
-// Whatever is kept of the speed, however far the run is to go, and wherever the floor is: no ball falls through.
+// No ball falls through the floor, whatever part of its speed is kept, however long the run, and wherever the floor is.
 TEST_F(EventsThatAct, NoBallFallsThroughTheFloor) {
   for (const double until : {20.0, 40.0, 100.0})
     for (const double floor : {0.0, 1.0, -300.0})
@@ -47,7 +48,7 @@ TEST_F(EventsThatAct, NoBallFallsThroughTheFloor) {
       }
 }
 
-// What is no list is refused as it is without an event that acts.
+// A member that is not a list is refused in the same way as without an event that acts.
 TEST_F(EventsThatAct, StandBesideListsAlone) {
   for (const char* key : {"columns", "diagnostics"})
     for (const Json& wrong : {Json("error"), Json("x"), Json(1), Json{{"x", "error"}}}) {
@@ -59,8 +60,8 @@ TEST_F(EventsThatAct, StandBesideListsAlone) {
     }
 }
 
-// A ball that keeps nothing of its speed lies on the floor: the first bounce is the last, and the run ends there. One
-// of symplectic_euler reaches the floor without speed once a bounce fits into a step.
+// A ball that keeps nothing of its speed stays on the floor: the first bounce is the last, and the run ends there. With
+// symplectic_euler the ball arrives without speed once a bounce fits into a step.
 TEST_F(EventsThatAct, ABallAtRestOnTheFloorEndsTheRun) {
   for (const char* scheme : {"taylor", "leapfrog", "runge_kutta_4", "dormand_prince_5", "galerkin_4"}) {
     Json request = ball(0);
@@ -83,7 +84,7 @@ TEST_F(EventsThatAct, ABallAtRestOnTheFloorEndsTheRun) {
     }
 }
 
-// What an act stops at a ceiling falls down again, and what it slows down on the way goes on.
+// A ball stopped at a ceiling falls down again, and one that is slowed down on its way goes on.
 TEST_F(EventsThatAct, WhatIsStoppedWhereItIsDrawnAwayGoesOn) {
   Json thrown = ball(0);
   thrown["until"] = 2;
@@ -106,7 +107,7 @@ TEST_F(EventsThatAct, WhatIsStoppedWhereItIsDrawnAwayGoesOn) {
   EXPECT_LT(made["final"]["x"], 0);
 }
 
-// What an act takes back to where it began, at rest, falls anew, as often as there is time for.
+// A ball that an act puts back to its start, at rest, falls again, as often as time permits.
 TEST_F(EventsThatAct, WhatIsTakenElsewhereAtRestGoesOn) {
   for (const char* height : {"1", "10", "0.0001"}) {
     Json request = ball(0);
@@ -130,7 +131,7 @@ TEST_F(EventsThatAct, WhatIsTakenElsewhereAtRestGoesOn) {
   }
 }
 
-// Bounces come after sqrt(2) (1 + 2 Σ rᵏ), infinitely many before sqrt(2) (1 + r)/(1 − r).
+// The n-th bounce is at sqrt(2) (1 + 2 Σ rᵏ), and infinitely many come before sqrt(2) (1 + r)/(1 − r).
 TEST_F(EventsThatAct, ABallBouncesAsItIsKnownTo) {
   const double r = 0.8, fall = std::sqrt(2.0), limit = fall * (1 + r) / (1 - r);
   for (const char* scheme :
@@ -189,7 +190,7 @@ TEST_F(EventsThatAct, WithAnActionTheyKeepTheContactForm) {
   EXPECT_NEAR(made["events"][0]["after"]["s"].get<double>(), made["events"][0]["state"]["s"].get<double>() + 1, 1e-14);
 }
 
-// Of a billiard in a circle every chord is as long as the first; angular momentum and speed stay.
+// In a circular billiard every chord is as long as the first; angular momentum and speed are kept.
 TEST_F(EventsThatAct, BilliardsReflect) {
   const Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x","y"],"potential":"0"},
     "initial":{"x":0.5,"y":0,"vx":0.3,"vy":1},"scheme":{"id":"leapfrog","step":0.1},"until":50,
@@ -219,7 +220,7 @@ TEST_F(EventsThatAct, KicksAndSwitches) {
   Json made = answer(request);
   EXPECT_EQ(made["trajectory"]["px"], Json::parse("[1,3,5,7,9]"));
   EXPECT_NEAR(made["trajectory"]["x"][4], 1 + 3 + 5 + 7 + 9 * 0.5, 1e-12);
-  // A thermostat switches at 19 and 21: a heating that is a variable without a rate.
+  // A thermostat switches at 19 and 21: the heating is a variable without a rate.
   request = Json::parse(R"~({"problem":{"id":"custom","variables":["T","on"],
       "equations":{"T":"on*3-(T-15)/4","on":"0"}},
     "initial":{"T":20,"on":1},"scheme":"taylor","until":30,"record":{"every":0},
@@ -235,8 +236,8 @@ TEST_F(EventsThatAct, KicksAndSwitches) {
   EXPECT_EQ(made["acts"][0]["keeps"], "none");
 }
 
-// Into the corner of a box: both walls are met in one instant, and both act, whatever the scheme and in whichever order
-// they stand; one that only looks on is told of, too.
+// Into the corner of a box: both walls are met at the same time, and both act, whatever the scheme and their order; an
+// event that does not act is reported, too.
 TEST_F(EventsThatAct, InOneInstantAllOfThemAct) {
   const auto wall = [](const std::string& x) {
     return Json{{"name", "wall_" + x}, {"expression", x}, {"direction", "down"}, {"set", {{"v" + x, "-v" + x}}}};
@@ -256,7 +257,8 @@ TEST_F(EventsThatAct, InOneInstantAllOfThemAct) {
       for (const char* name : {"x", "y"}) EXPECT_NEAR(made["final"][name], 2, 1e-12) << scheme;
       for (const char* name : {"px", "py"}) EXPECT_NEAR(made["final"][name], 1, 1e-14) << scheme;
     }
-  // Each reads what the one before has left; one that ends the run does so after what has acted.
+  // Each event acts on the state that the one before has left; one that ends the run does so after those that have
+  // acted.
   request["events"] = {wall("x"), wall("y"), {{"name", "over"}, {"expression", "t-1"}, {"stop", true}}};
   request["events"][1]["set"] = {{"vy", "-vy+vx"}};
   const Json made = answer(request);
@@ -265,8 +267,8 @@ TEST_F(EventsThatAct, InOneInstantAllOfThemAct) {
   EXPECT_NEAR(made["final"]["py"], 2, 1e-14);
 }
 
-// The step in which an event acts is cut short, and with it a run that counts its steps: samples come to the new end.
-// In the order in which they are asked for: what stops the run leaves nothing for those after it.
+// The step in which an event acts is cut short, also in a run that counts its steps: samples reach to the new end.
+// Events act in the order of the request, so that one that stops the run keeps those after it from acting.
 TEST_F(EventsThatAct, DoNotHappenAfterAnEventThatStopsTheRunThere) {
   for (const char* scheme : {"taylor", "leapfrog", "dormand_prince_5"}) {
     Json request = ball(0.5);
@@ -284,7 +286,7 @@ TEST_F(EventsThatAct, DoNotHappenAfterAnEventThatStopsTheRunThere) {
   }
 }
 
-// The echo of no events sent back gives no events, also where the scene has some of its own.
+// An echo without events, sent back, gives a run without events, also where the scene has events of its own.
 TEST_F(EventsThatAct, ThatAreNotWantedStayAway) {
   Json request{{"problem", "bouncing_ball"}, {"scheme", "leapfrog"}, {"until", 3}, {"events", Json::array()}};
   const Json made = answer(request);
@@ -312,7 +314,7 @@ TEST_F(EventsThatAct, SamplesOfARunByStepsAreAsManyAsWereAskedFor) {
   }
 }
 
-// A scene that an event brings back to 0 has moved.
+// A scene that an event sets back to 0 has moved.
 TEST_F(EventsThatAct, BringBackToZeroWhatDoesNotRest) {
   const Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"equations":{"x":"1"}},
       "scheme":"taylor","until":2,"record":{"samples":5},
@@ -320,7 +322,7 @@ TEST_F(EventsThatAct, BringBackToZeroWhatDoesNotRest) {
   const Json made = answer(request);
   EXPECT_EQ(made["final"]["x"], 0);
   for (const Json& warning : made["warnings"]) EXPECT_NE(warning["code"], "starts_at_rest_in_equilibrium");
-  // Nor does one rest that comes back by itself.
+  // Nor is a scene at rest that comes back to 0 by itself.
   Json there_and_back = request;
   there_and_back["problem"]["equations"]["x"] = "if(t<1,1,-1)";
   there_and_back.erase("events");
@@ -347,7 +349,7 @@ TEST_F(EventsThatAct, AreEchoedAndChosenFor) {
   EXPECT_EQ(chosen["status"], "completed");
   EXPECT_NEAR(chosen["final"]["x"], made["final"]["x"], 1e-5);
   EXPECT_EQ(chosen["events"].size(), made["events"].size());
-  // Errors were measured up to the first bounce, and the run says so; one that ends before it has nothing to say.
+  // Errors are measured up to the first bounce, and the run says so; a run that ends before it does not.
   const auto says = [](const Json& run) {
     std::string said;
     for (const Json& warning : run["warnings"])

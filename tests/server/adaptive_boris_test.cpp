@@ -1,4 +1,4 @@
-// adaptive_boris over HTTP: a scheme with a clock of its own on a scene as text.
+// adaptive_boris over HTTP: a scheme that chooses its own steps, on a scene as text.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class AdaptiveBorisHttp : public Asking {
       "initial":{"x":0.994,"vy":-2.0015851063790824},"until":17.065216560157964,
       "scheme":{"id":"adaptive_boris","step":0.0005,"composition":"kahan_li_8"},"record":{"every":0}})~");
   }
-  /// Without the term that may depend on time.
+  /// The scene without the term that may depend on time.
   static Json still() {
     Json request = arenstorf();
     request["problem"]["lagrangian"] =

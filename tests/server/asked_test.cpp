@@ -1,4 +1,4 @@
-// What is asked for of a run, its rows, columns and diagnostics, changes neither the run nor what it warns of.
+// The rows, columns and diagnostics of a request change neither the run nor its warnings.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 class Asked : public Asking {
  protected:
-  /// What a run comes to: how it ends, where, and its warnings.
+  /// end_of() returns how and where a run ends, and its warnings.
   static Json end_of(const Json& request) {
     Json made = answer(request), end;
     for (const char* key : {"status", "stop", "final", "warnings"}) end[key] = made[key];
@@ -21,7 +21,7 @@ class Asked : public Asking {
   }
 };
 
-// Of steps that are far too long for the energy level shorter ones fail, which samples are found by.
+// With steps far too long for the energy level the shorter steps to samples fail; this must not end the run.
 TEST_F(Asked, RowsChangeNoRun) {
   Json request = {{"problem", "duffing"},
                   {"scheme", {{"id", "time_transformed"}, {"sigma", 0.02}, {"kappa", 1}}},
@@ -36,12 +36,12 @@ TEST_F(Asked, RowsChangeNoRun) {
   }
 }
 
-// By default it takes the threshold κ that its drive needs, which is no part of the natural units.
+// By default the scheme takes the threshold κ that the drive needs, which does not follow from natural units.
 TEST_F(Asked, DuffingRunsByTransformedStepsAsItStands) {
   EXPECT_EQ(answer({{"problem", "duffing"}, {"scheme", "time_transformed"}})["status"], "completed");
 }
 
-// The error is 0.1016 at most, which the control run, that looks at fewer states, does not call large.
+// The largest error is 0.1016; the control run, which compares fewer states, does not call it large.
 TEST_F(Asked, DiagnosticsChangeNoWarnings) {
   Json request = {{"problem", "thermostat"},
                   {"scheme", "explicit_midpoint"},
@@ -54,7 +54,7 @@ TEST_F(Asked, DiagnosticsChangeNoWarnings) {
   EXPECT_EQ(end_of(request), alone);
 }
 
-// The largest error is no smaller than any that the column has, also where dense output is worse than steps.
+// The largest error is no smaller than any error in the column, also where dense output is less accurate than steps.
 TEST_F(Asked, TheLargestErrorIsThatOfAllRows) {
   runs::problem_called("spin_orbit");  // or it is skipped
   const Json requests[] = {

@@ -16,7 +16,7 @@ namespace {
 
 class Backward : public Asking {
  protected:
-  /// The same scene and scheme from where the run ended to where it began.
+  /// return_of() requests the same scene and scheme from the end of a run to its start.
   static Json return_of(const Json& made) {
     return {{"problem", made["problem"]},
             {"scheme", made["scheme"]},
@@ -32,7 +32,7 @@ class Backward : public Asking {
   }
 };
 
-/// Schemes whose step with h and then with −h is no step at all, whatever the problem.
+/// Schemes whose step with h followed by one with −h is the identity, whatever the problem.
 const std::set<std::string> retrace{"leapfrog",         "variational_midpoint",         "galerkin_4",
                                     "contact_leapfrog", "contact_variational_midpoint", "contact_splitting",
                                     "contact_gauss"};
@@ -44,7 +44,7 @@ TEST_F(Backward, EverySchemeReturns) {
     if (card.id == "lane_emden") continue;  // from ξ > 0 it returns to where its equations are singular
     for (const std::size_t place : card.schemes) {
       const std::string& scheme = schemes()[place].id;
-      // Exact flows of a vector field's parts are known forward alone.
+      // Exact flows of the parts of a vector field are known forward only.
       if (scheme == "contact_splitting" && !card.keeps_form) continue;
       const auto found = [&] { return card.id + " by " + scheme; };
       const Json there =
@@ -60,13 +60,13 @@ TEST_F(Backward, EverySchemeReturns) {
   }
 }
 
-/// What is found at sections of a problem's own, or averaged along a motion forward, and nothing else.
+/// Diagnostics at a problem's own sections, or averages along a motion: these exist forward only.
 const std::set<std::string> known_forward_alone{"entropy", "zeros", "moments", "slope", "cycle", "poles"};
 
-/// What a state does not say, but how it was reached.
+/// Columns that depend on how a state was reached.
 const std::set<std::string> of_the_way{"step_size", "mode", "parameter", "discrete_energy", "error"};
 
-// Where a run forward ends a run backward begins: what a problem says of a state does not depend on where that goes.
+// A run backward begins where a run forward ends: the columns of a state do not depend on the direction.
 TEST_F(Backward, AProblemSaysTheSameOfAState) {
   for (const auto& problem : problem_list()) {
     const ProblemCard& card = problem->card();
@@ -96,7 +96,7 @@ TEST_F(Backward, AProblemSaysTheSameOfAState) {
   }
 }
 
-// The star of n = 1 from a regular start: where q vanishes the motion ends, backward as forward, by every scheme.
+// The star with n = 1 from a regular start: the motion ends where q vanishes, backward as forward, with every scheme.
 TEST_F(Backward, TheDomainOfAMotionIsKept) {
   const ProblemCard& card = runs::problem_card("lane_emden");
   for (const std::size_t place : card.schemes) {
@@ -111,7 +111,7 @@ TEST_F(Backward, TheDomainOfAMotionIsKept) {
   }
 }
 
-// An orbit turns its apsis as the motion forward does, and has its angular momentum.
+// The rotation of the apsis and the angular momentum have the signs of the motion forward.
 TEST_F(Backward, AnOrbitHasTheSenseOfTheMotionForward) {
   runs::problem_called("perturbed_kepler");
   Json reports[2];
@@ -126,7 +126,7 @@ TEST_F(Backward, AnOrbitHasTheSenseOfTheMotionForward) {
     EXPECT_NEAR(reports[1][name].get<double>(), value.get<double>(), 1e-9) << name;
 }
 
-// An end before the start is no fault beside another one, nor are times of such a run.
+// An end before the start, and times of such a run, are not reported as faults beside another fault.
 TEST_F(Backward, OnlyWhatIsWrongIsTold) {
   runs::problem_called("lorenz");
   const struct {
@@ -145,10 +145,10 @@ TEST_F(Backward, OnlyWhatIsWrongIsTold) {
   EXPECT_NE(reply.body.find("runs lorenz forward in time alone"), std::string::npos) << reply.body;
 }
 
-// There is no factor e^{−∫α} over t = 0 where α = 2/t: no step of a contact scheme leads there, forward or backward.
+// There is no factor e^{−∫α} across t = 0 where α = 2/t: no step of a contact scheme crosses it, forward or backward.
 TEST_F(Backward, NoContactStepGoesOverAPoleOfTheDamping) {
   const Json typed = Json::parse(R"({"id":"custom","variables":["q"],"potential":"q^2/2","damping":"2/t"})");
-  const Json star{{"id", "lane_emden"}, {"after_zero", "signed"}};  // which goes on where it would end
+  const Json star{{"id", "lane_emden"}, {"after_zero", "signed"}};  // goes on where it would end
   for (const Json& problem : {typed, star})
     for (const char* scheme :
          {"contact_splitting", "contact_leapfrog", "contact_variational_midpoint", "contact_gauss"})
@@ -165,7 +165,7 @@ TEST_F(Backward, NoContactStepGoesOverAPoleOfTheDamping) {
       }
 }
 
-// The motion of a scene that reads the time and s.
+// A scene that depends on time and on s.
 TEST_F(Backward, IsTheSameMotion) {
   const Json problem = Json::parse(R"({"id":"custom","variables":["x"],"parameters":{"c":0.1},
       "lagrangian":"vx^2/2 - x^2/2 + 0.3*x*cos(2*t) - c*s"})");
@@ -225,7 +225,7 @@ TEST_F(Backward, OfEveryFormAsText) {
   }
 }
 
-// A run is told, and can be asked for again, in its own time.
+// Answers, and the requests that they echo, are in the run's own time.
 TEST_F(Backward, IsToldInEveryForm) {
   Json request = {{"problem", "kepler"}, {"scheme", "leapfrog"}, {"until", {{"t", -2}}}, {"record", {{"samples", 5}}}};
   const Json made = answer(request);
@@ -264,7 +264,7 @@ TEST_F(Backward, IsChosenAndMeasured) {
   EXPECT_NEAR(study["curves"][0]["observed_order"], 2, 0.1);
 }
 
-// Directions of events are along the run; what they set is said in the scene's own variables.
+// Directions of events are those along the run; what events set is in the scene's own variables.
 TEST_F(Backward, HasEventsThatAct) {
   const Json problem = {{"id", "custom"}, {"variables", {"y"}}, {"potential", "y"}};
   Json request = {{"problem", problem}, {"initial", {{"y", 1}, {"vy", 0.3}}}, {"until", -3}, {"scheme", "taylor"}};
@@ -282,7 +282,7 @@ TEST_F(Backward, HasEventsThatAct) {
   EXPECT_TRUE(answer(request)["events"].empty()) << "it falls as the run goes on";
 }
 
-// An act in the instant of the end happens, whichever way the run goes there, and does not end it.
+// An event that acts at the end of the run acts, in either direction of time, and does not end the run.
 TEST_F(Backward, HasEventsThatActAtTheEnd) {
   for (const double end : {2.0, -2.0}) {
     Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"potential", "x^2/2"}}},
@@ -300,11 +300,11 @@ TEST_F(Backward, HasEventsThatActAtTheEnd) {
       EXPECT_EQ(made["acts"][0]["count"], 1) << scheme << end;
       EXPECT_EQ(made["events"].size(), 1U) << scheme << end;
       EXPECT_EQ(made["trajectory"]["t"].size(), 5U) << scheme << end;
-      // Two in one instant: the second acts on what the first has left.
+      // Of two events at the same time the second acts on the state that the first has left.
       request["events"].push_back({{"name", "l"}, {"expression", "2*(" + kick + ")"}, {"set", {{"vx", "2*vx"}}}});
       const Json both = answer(request);
       EXPECT_NEAR(both["final"]["px"], 2 * (-std::sin(end) + 5), 1e-4) << scheme << end;
-      // One that stops the run comes before those after it.
+      // An event that stops the run comes before those after it.
       request["events"][0] = {{"name", "stop"}, {"expression", kick}, {"stop", true}};
       const Json stopped = answer(request);
       EXPECT_NEAR(stopped["final"]["px"], -std::sin(end), 1e-4) << scheme << end;
@@ -312,7 +312,7 @@ TEST_F(Backward, HasEventsThatActAtTheEnd) {
   }
 }
 
-// Where a run stops is told in its own time.
+// The time where a run stops is its own time.
 TEST_F(Backward, StopsAtASingularity) {
   const Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "-x^2"}}}}},
                         {"initial", {{"x", 1}}},
@@ -332,7 +332,7 @@ TEST_F(Backward, WarnsInItsOwnTime) {
   EXPECT_NE(warned["warnings"].dump().find("t = -0."), std::string::npos) << warned["warnings"];
 }
 
-// So is how far the runs went by which a scheme was chosen, and those of a study.
+// The same holds for the times that `auto` and studies report.
 TEST_F(Backward, IsLookedAtInItsOwnTime) {
   Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "-x^2"}}}}},
                   {"initial", {{"x", 1}}},

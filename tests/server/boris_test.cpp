@@ -1,4 +1,4 @@
-// boris over HTTP: charges in magnetic fields, asked in every way that a scheme of equal steps is.
+// boris over HTTP: charges in magnetic fields, in every kind of request that takes a scheme of equal steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -86,7 +86,7 @@ TEST_F(BorisHttp, GoesBackwardAndMeetsEvents) {
   EXPECT_EQ(back["status"], "completed");
   for (const auto& [name, value] : back["final"].items()) EXPECT_NEAR(value, there["initial"][name], 1e-11) << name;
 
-  // Bounces off a plane, and crossings of another.
+  // Bounces off one plane, and crossings of another.
   Json request = bottle();
   request["columns"] = {"t", "x", "energy", {{"name", "r"}, {"expression", "sqrt(x^2+y^2+z^2)"}}};
   request["record"] = {{"samples", 21}};

@@ -8,7 +8,7 @@
 
 namespace least::server::test {
 
-/// Cards and nothing behind them.
+/// Described is a mechanics that consists of its cards only and cannot run.
 class Described final : public Mechanics {
  public:
   Described(ProblemCard card, std::span<const SchemeCard> schemes) : card_(std::move(card)), schemes_(schemes) {}

@@ -1,4 +1,4 @@
-// A raw HTTP client: sends exactly the bytes it is given.
+// A raw HTTP client, which sends exactly the bytes it is given.
 #pragma once
 
 #include <map>
@@ -13,13 +13,13 @@ struct Reply {
   int status = 0;
   std::map<std::string, std::string> fields;  ///< names in lower case
   std::string body;
-  std::vector<std::string> chunks;  ///< of a body that came in chunked coding
+  std::vector<std::string> chunks;  ///< the chunks of a body in chunked coding
 };
 
 class Client {
  public:
-  /// Connects to this machine, where `from` says so from that address of it; `buffer`: so many bytes the system takes
-  /// for it ahead, as many as it likes where 0.
+  /// Connects to the port on this machine, from the local address `from` if that is given. `buffer` limits the bytes
+  /// that the system receives ahead of the reader; 0 leaves that to the system.
   explicit Client(int port, const char* from = nullptr, int buffer = 0);
   ~Client();
   Client(Client&& other) noexcept;
@@ -27,27 +27,29 @@ class Client {
   Client& operator=(const Client&) = delete;
 
   bool connected() const { return socket_ >= 0; }
-  /// False when the service closed the connection meanwhile.
+  /// send() returns false when the service has closed the connection meanwhile.
   bool send(std::string_view bytes);
-  /// Says that nothing more will be sent.
+  /// end_sending() says that nothing more will be sent, and leaves the connection open for reading.
   void end_sending();
-  /// Closes the socket, as a process that ends.
+  /// hang_up() closes the socket, as a process that ends does.
   void hang_up();
-  /// Ends the connection at once, by a reset.
+  /// reset() ends the connection at once, by a TCP reset.
   void reset();
-  /// The status of an answer without fields and body, such as 100.
+  /// interim() returns the status of a head without its fields and body, such as 100.
   int interim();
-  /// The next answer; nothing when the connection ended first. `head`: it has no body.
+  /// receive() returns the next answer; nothing when the connection ended first. With `head` the answer has no body.
   std::optional<Reply> receive(bool head = false);
-  /// The next chunk of a body, empty at its end; nothing when the connection ended first or the coding is wrong.
+  /// chunk() returns the next chunk of a body, empty at its end; nothing when the connection ended first or the coding
+  /// is wrong.
   std::optional<std::string> chunk();
-  /// What came, or comes next, so many bytes of it at most; nothing when the connection ended.
+  /// some() returns and removes bytes that have arrived or arrive next, `most` at most; nothing when the connection
+  /// ended.
   std::optional<std::string> some(std::size_t most = 65536);
-  /// What came, or comes next, and stays to be received.
+  /// peek() returns the bytes that have arrived or arrive next, and leaves them to be received.
   std::string_view peek();
-  /// Whether nothing but the end of the connection comes any more (waits for it up to 20 s).
+  /// ended() says whether the end of the connection comes next, without further bytes (it waits up to 20 s).
   bool ended();
-  /// Whether the connection ends, after whatever comes, by a reset.
+  /// ends_by_reset() says whether the connection, after whatever bytes come, ends by a reset.
   bool ends_by_reset();
 
  private:
@@ -59,7 +61,7 @@ class Client {
 std::string get(std::string_view path, std::string_view fields = "");
 std::string post(std::string_view path, std::string_view body, std::string_view fields = "");
 
-/// One request on a connection of its own. Status 0: no answer.
+/// ask() sends one request on a connection of its own. The status is 0 where there is no answer.
 Reply ask(int port, std::string_view bytes, bool head = false);
 
 }  // namespace least::server::test

@@ -1,5 +1,5 @@
-// Requests and answers of the dissipative problems: presets, variables that are carried only where they are asked for,
-// starts that follow from others, and numbers that are unknown. Against the catalogue itself, over real sockets.
+// Requests and answers of the dissipative problems: presets, variables that are carried only when asked for, initial
+// values that follow from others, and unknown numbers. Against the catalogue itself, over real sockets.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,21 +24,21 @@ Json answer(int port, const Json& request) {
   EXPECT_EQ(reply.status, 200) << request << reply.body;
   return reply.status == 200 ? Json::parse(reply.body) : Json::object();
 }
-/// The only fault of a request.
+/// fault() returns the only fault of a request.
 Json fault(int port, const Json& request) { return only_fault(simulate(port, request)); }
 std::vector<std::string> keys(const Json& object) {
   std::vector<std::string> names;
   for (const auto& [key, value] : object.items()) names.push_back(key);
   return names;
 }
-/// The fields of an answer that make a complete request.
+/// echo() returns the members of an answer that make a complete request.
 Json echo(const Json& whole) {
   Json request;
   for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
     request[key] = whole.at(key);
   return request;
 }
-/// An answer's bytes up to its cost, and from there on what the clock does not change.
+/// timeless() returns an answer without its cost, which depends on the clock.
 std::string timeless(std::string body) {
   const auto from = body.find(R"(,"cost":)"), to = body.find(R"(,"events":)");
   EXPECT_LT(from, to);
@@ -128,7 +128,7 @@ TEST_F(ContactHttp, TheActionIsCarriedWhereItIsAskedFor) {
   EXPECT_EQ(with["trajectory"]["s"][0], 0.5);
   EXPECT_EQ(with["trajectory"]["s"].back(), with["final"]["s"]);
   EXPECT_EQ(with["trajectory"]["q"], plain["trajectory"]["q"]) << "to the bit";
-  // Where the motion reads s it is a variable like the others.
+  // Where the motion depends on s it is a variable like the others.
   const Json cosmos = answer(port(), {{"problem", "cosmological_oscillator"}, {"scheme", "contact_splitting"}});
   EXPECT_EQ(cosmos["columns"], (Json{"t", "q", "p", "s"}));
   EXPECT_TRUE(cosmos["final"].contains("s"));
@@ -251,8 +251,8 @@ TEST_F(ContactHttp, SettingsOfTheContactSchemes) {
   EXPECT_EQ(refused({{"id", "contact_leapfrog"}, {"splitting", "plain"}})["pointer"], "/scheme/splitting");
   EXPECT_EQ(refused({{"id", "contact_galerkin_4"}, {"composition", "none"}})["pointer"], "/scheme/composition");
 
-  // What takes its parts in turn by a rule of its own is not composed, and needs drifts and what is left, for weak
-  // perturbations, as two flows.
+  // A splitting for weak perturbations has its own sequence of parts: it is not composed, and needs drifts and the rest
+  // as two flows.
   const Json composed = refused({{"id", "contact_splitting"}, {"splitting", "aba_864"}, {"composition", "kahan_li_6"}});
   EXPECT_EQ(composed["pointer"], "/scheme/composition");
   EXPECT_EQ(composed["allowed"], "none");
@@ -301,7 +301,7 @@ TEST_F(ContactHttp, ASlopeAtItsPoleIsNullAndInCsvAnEmptyCell) {
   EXPECT_EQ(run["diagnostics"]["cycle"]["cycles"], 0);
   const Reply csv = simulate(port(), request, "Accept: text/csv\r\n");
   EXPECT_EQ(csv.body.substr(0, csv.body.find('\n', 14)), "t,slope,x\n0,,2") << csv.body;
-  // At rest there is no slope anywhere, also not at the end.
+  // At rest there is no slope anywhere, not even at the end.
   Json rest = request;
   rest["initial"] = {{"x", 0}, {"v", 0}};
   const Json still = answer(port(), rest);
@@ -350,7 +350,7 @@ TEST_F(ContactHttp, AVariableHasItsRange) {
   EXPECT_EQ(swing[1]["angle"], false);
 }
 
-// q₀ = 1e-6 is known to 1e-6 in the absolute norm before a step is taken.
+// In the absolute norm q₀ = 1e-6 has the accuracy 1e-6 before a step is taken.
 TEST_F(ContactHttp, TheNormOfErrorsIsARequest) {
   Json request{
       {"problem", "harmonic_oscillator"}, {"initial", {{"q", 1e-6}}},  {"scheme", {{"id", "auto"}, {"accuracy", 1e-6}}},

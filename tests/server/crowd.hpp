@@ -1,4 +1,4 @@
-// Clients that ask without a pause, each on a connection of its own, and one that asks beside them.
+// Clients that ask without a pause, each on a connection of its own, and one client beside them.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 
 namespace least::server::test {
 
-/// They ask until the crowd is destroyed, or their connections end.
+/// Crowd asks until it is destroyed, or its connections end.
 class Crowd {
  public:
   Crowd(int port, int clients, std::string request) : request_(std::move(request)) {
@@ -19,7 +19,7 @@ class Crowd {
   Crowd(const Crowd&) = delete;
   ~Crowd() { end_ = true; }
 
-  /// How many of their requests were computed so far.
+  /// answered() returns how many of its requests were answered with 200 so far.
   int answered() const { return answered_; }
 
  private:
@@ -34,10 +34,11 @@ class Crowd {
   const std::string request_;
   std::atomic<bool> end_{false};
   std::atomic<int> answered_{0};
-  std::vector<std::jthread> threads_;  // last: they end before what they use
+  std::vector<std::jthread> threads_;  // last: the threads end before what they use
 };
 
-/// How many of so many small runs, asked for one after the other on this connection, are computed.
+/// served_of() makes `asked` small requests one after the other on this connection and returns how many are answered
+/// with 200.
 inline int served_of(int asked, Client client) {
   int served = 0;
   for (int i = 0; i < asked; ++i) {

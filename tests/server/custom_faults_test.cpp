@@ -1,4 +1,4 @@
-// Scenes given as text that cannot be read: what is refused, where, and all of it.
+// Scenes as text that cannot be read: what is refused and where; all faults are named.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,8 +26,7 @@ TEST_F(CustomFaults, AllFaultsAreToldAtOnce) {
       << document;
 }
 
-// What cannot be read hides nothing of the rest: neither what is no text at all, nor a definition, of which texts are
-// made before they are looked at.
+// A fault hides no other: neither a member that is not text, nor a definition, which is expanded in other texts first.
 TEST_F(CustomFaults, NoneHidesOthers) {
   const struct {
     const char* problem;
@@ -148,7 +147,7 @@ TEST_F(CustomFaults, OfANumberAsTextSayWhatIsWrongWithIt) {
   }
 }
 
-// How many there are of a kind is a parameter like any other: it may stand beside the id.
+// The number of variables of a kind is a parameter like any other: it may stand beside the id.
 TEST_F(CustomFaults, SizesMayStandBesideTheId) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]"],"parameters":{"n":2},"n":3,
       "potential":"sum(i=1..n, i*x[i]^2/2)"},"initial":{"x":[1,2,3]},"scheme":"leapfrog","until":1,
@@ -176,7 +175,7 @@ TEST_F(CustomFaults, NamesHaveTheLengthThatIsAllowed) {
   EXPECT_EQ(reply.status, 200) << reply.body;
 }
 
-// Bad input: each is refused at its place, soon.
+// Each bad input is refused at its place, soon.
 TEST_F(CustomFaults, FaultsNameTheirPlace) {
   const std::string deep(101, '('), long_text(10'001, '1');
   const struct {
@@ -258,7 +257,7 @@ TEST_F(CustomFaults, FaultsNameTheirPlace) {
   }
 }
 
-// A fault is told at what the request says: at a list where the list was said, at a step where the end was not.
+// A fault points to what the request says: to a list where the list was given, to a step where no end was given.
 TEST_F(CustomFaults, StandAtWhatTheRequestSays) {
   const struct {
     const char *request, *pointer, *says;
@@ -282,7 +281,7 @@ TEST_F(CustomFaults, StandAtWhatTheRequestSays) {
   }
 }
 
-// Masses that couple hundreds of coordinates have an inverse that is too long to be said, and the answer says that.
+// Masses that couple hundreds of coordinates have an inverse too long to be printed, and the answer says that.
 TEST_F(CustomFaults, EquationsThatAreTooLongAreNone) {
   const auto reply = ask(port(), post("/v1/problems", R"~({"problem":{"id":"custom","variables":["x[n]"],
       "parameters":{"n":300},

@@ -1,4 +1,4 @@
-// Scenes given as text as a client meets them: their cards, runs, echoes, and what is refused where.
+// Scenes as text for a client: their cards, runs and echoes, and what is refused where.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ TEST_F(CustomHttp, ACardSaysWhatWasFound) {
   EXPECT_EQ(std::find(schemes.begin(), schemes.end(), "leapfrog"), schemes.end());
 }
 
-// Where no start is asked about, the card says what of one must not be 0, so that a client finds one by one request.
+// Without a start the card says which values must not be 0, so that a client needs only one request to find a start.
 TEST_F(CustomHttp, ACardSaysWhereAMotionCanBegin) {
   const auto start = [&](const char* potential) {
     return card_of(port(), R"~({"id":"custom","variables":["x","y"],"potential":")~" + std::string(potential) + "\"}")
@@ -119,7 +119,8 @@ TEST_F(CustomHttp, AParameterIsOverriddenFlat) {
   EXPECT_NEAR(end(R"(,"masses":{"q":"4*k"})"), std::cos(0.5), 1e-12);
 }
 
-// A relaxation that no reference keeps up with: a run all the same, which says that its error was not measured.
+// A relaxation oscillation for which no reference is fast enough: there is a run, which says that its error was not
+// measured.
 TEST_F(CustomHttp, AutoSaysWhatItCouldNotMeasure) {
   const Json chosen = run_of(port(), R"({"problem":{"id":"custom","variables":["x","v"],"parameters":{"m":1000},
       "equations":{"x":"v","v":"m*(1-x^2)*v-x"}},"initial":{"x":2,"v":0},"scheme":{"id":"auto","accuracy":1e-6},
@@ -187,7 +188,7 @@ TEST_F(CustomHttp, ARegularStartIsAskedFor) {
   EXPECT_EQ(only_fault(polar(R"({"r":1,"vphi":1,"pphi":0})"))["pointer"], "/initial/vphi");
 }
 
-// A motion through the pole of a sphere starts beside it, and says so.
+// A motion through the pole of a sphere starts beside the pole, and the answer says so.
 TEST_F(CustomHttp, AStartAtAHarmlessPoleIsTaken) {
   const std::string scene = R"~({"problem":{"id":"custom","variables":["theta","phi"],
       "lagrangian":"(vtheta^2 + sin(theta)^2*vphi^2)/2 + cos(theta)"},"initial":{"theta":0,"vtheta":1})~";
@@ -200,7 +201,7 @@ TEST_F(CustomHttp, AStartAtAHarmlessPoleIsTaken) {
   EXPECT_EQ(ask(port(), post("/v1/problems", scene + "}")).status, 200);
 }
 
-// The card alone says nothing of a start; where one is given it is looked at as a run looks at it.
+// A card without a start does not check one; a card with a start checks it as a run does.
 TEST_F(CustomHttp, ACardWithAStartRefusesItAsARunDoes) {
   const struct {
     const char *problem, *initial, *pointer, *says;
@@ -238,19 +239,19 @@ TEST_F(CustomHttp, ACardWithAStartRefusesItAsARunDoes) {
   const auto good = ask(port(), post("/v1/problems", R"~({"problem":{"id":"custom","variables":["x"],
       "potential":"sqrt(x - 1)"},"initial":{"x":2,"t":1}})~"));
   EXPECT_EQ(good.status, 200) << good.body;
-  // A kinetic energy that is not positive definite is no fault of a form that never takes it for that.
+  // An indefinite kinetic energy is no fault for a form that does not need a positive definite one.
   EXPECT_EQ(ask(port(), post("/v1/problems", R"~({"problem":{"id":"custom","variables":["x","y"],
       "lagrangian":"(vx^2 - vy^2)/2 + x*vy - x^2"},"initial":{"x":1}})~"))
                 .status,
             200);
-  // Of an ensemble that varies its start, the one it is said with is none of the members'.
+  // Where an ensemble varies the start, the request's own start is not that of any member.
   const Json members = Json::parse(ask(port(), post("/v1/ensemble", R"~({"problem":{"id":"custom","variables":["x"],
       "potential":"-log(x)"},"scheme":"leapfrog","until":{"t":0.1},"members":{"vary":{"/initial/x":{"values":[1,2]}}}})~"))
                                        .body);
   EXPECT_EQ(members.value("completed", 0), 2) << members;
 }
 
-// Accelerations, where the inverse of the metric is short.
+// Equations have accelerations where the inverse of the metric is short.
 TEST_F(CustomHttp, EquationsAreSolvedForAccelerations) {
   const Json one = card_of(port(), R"~({"id":"custom","variables":["x"],"lagrangian":"(1 + x^2)*vx^2/2 - x^4"})~");
   EXPECT_EQ(one["equations"]["x"], "vx");
@@ -259,7 +260,7 @@ TEST_F(CustomHttp, EquationsAreSolvedForAccelerations) {
   const Json polar = card_of(port(), R"~({"id":"custom","variables":["r","phi"],
       "lagrangian":"(vr^2 + r^2*vphi^2)/2 + 1/r"})~");
   EXPECT_EQ(polar["equations"]["phi"], "vphi");
-  // As text they are a scene again, of the same motion.
+  // Sent back as a scene these equations have the same motion.
   const auto end = [&](const std::string& problem, const char* initial) {
     return run_of(port(), R"({"problem":)" + problem + R"(,"initial":)" + initial +
                               R"(,"scheme":"taylor","until":{"t":2},"record":{"every":0}})")["final"];
@@ -282,14 +283,14 @@ TEST_F(CustomHttp, EquationsAreSolvedForAccelerations) {
       "lagrangian":"(vr^2 + r^2*vphi^2)/2 + 1/r"})~",
                                R"({"r":1,"vr":0.2,"vphi":0.9})");
   for (const char* name : {"r", "phi"}) EXPECT_NEAR(polar_typed[name], polar_again[name].get<double>(), 1e-10) << name;
-  // Else momenta and their rates are said, and that it is so.
+  // Else the equations have momenta and their rates, and say so.
   const Json three = card_of(port(), R"~({"id":"custom","variables":["x","y","z"],
       "lagrangian":"(1 + x^2)*vx^2/2 + vy^2/2 + vz^2/2 + vx*vz/9"})~");
   EXPECT_TRUE(three["equations"].contains("dpx/dt"));
   EXPECT_NE(three.value("equations_note", "").find("accelerations"), std::string::npos) << three;
 }
 
-// Where H does not read s there is none: no scheme, no error and no column knows of it, whatever is added to H.
+// Where H does not depend on s there is no s in schemes, errors and columns, whatever is added to H.
 TEST_F(CustomHttp, AnActionThatIsNotReadIsNotThere) {
   const auto run = [&](const std::string& more) {
     return run_of(port(), R"~({"problem":{"id":"custom","variables":["x"],"hamiltonian":"(px + 0.1*x^2)^2/2 + x^2/2)~" +
@@ -320,7 +321,7 @@ TEST_F(CustomHttp, AMemberWithoutAMassDoesNotCount) {
   EXPECT_EQ(answer["stopped"]["singular"], 2) << answer;
 }
 
-// p = v/√(1 − v²) has no formula that the service is told: the velocity is found from it.
+// The service is not given a formula for v from p = v/√(1 − v²): it solves for the velocity.
 TEST_F(CustomHttp, ALagrangianThatIsNotQuadraticIsIterated) {
   const std::string l = R"~({"problem":{"id":"custom","variables":["q"],"lagrangian":"-sqrt(1 - v^2) - q^2/2"})~",
                     h = R"~({"problem":{"id":"custom","variables":["q"],"hamiltonian":"sqrt(1 + p^2) + q^2/2"})~";
@@ -335,7 +336,7 @@ TEST_F(CustomHttp, ALagrangianThatIsNotQuadraticIsIterated) {
   EXPECT_LT(a["diagnostics"]["error"]["max"], 1e-4);
 }
 
-// Each of the texts that the page offers runs as it stands.
+// Each scene as text that the page offers runs without changes.
 TEST_F(CustomHttp, TheTextsOfThePageRun) {
   const Json scenes = Json::parse(std::ifstream(LEAST_SOURCE_DIR "/web/scenes.json"));
   ASSERT_GE(scenes.size(), 8U);

@@ -1,4 +1,4 @@
-// server/deploy: each file is what its reader takes, and speaks of options and metrics that there are.
+// server/deploy: each file is valid for its reader, and names existing options and metrics.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -26,7 +26,7 @@ std::string text_of(const std::string& name) {
   return text;
 }
 
-// Where this machine has the program: what it says against a file.
+// said_by() returns what a program says against a file; empty where this machine does not have the program.
 std::string said_by(const std::string& program, const std::string& command) {
   if (std::system(("command -v " + program + " >/dev/null").c_str()) != 0) return "";
   const std::string out = testing::TempDir() + "least_deploy.out";
@@ -40,7 +40,7 @@ std::string said_by(const std::string& program, const std::string& command) {
 TEST(Deploy, FilesAreWhatTheirReadersTake) {
   EXPECT_EQ(said_by("haproxy", "haproxy -c -f " + folder + "haproxy.cfg"), "");
   EXPECT_EQ(said_by("promtool", "promtool check rules " + folder + "alerts.yaml"), "");
-  // As installed, but for the binary.
+  // The unit as it is installed, except for the binary.
   const std::string unit = testing::TempDir() + "leastaction.service";
   std::ofstream(unit) << std::regex_replace(text_of("leastaction.service"), std::regex("/usr/local/bin/leastaction"),
                                             LEAST_BINARY);
@@ -71,7 +71,7 @@ TEST(Deploy, TheManifestsStartAService) {
   EXPECT_EQ(serve.wait(), 0);
 }
 
-// Variables of the unit and options in the comments are some that the program has.
+// Variables in the unit and options in the comments are those of the program.
 TEST(Deploy, OptionsAreThoseOfTheProgram) {
   Process help({"serve", "--help"});
   const std::string known = help.output();

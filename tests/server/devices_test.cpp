@@ -1,4 +1,4 @@
-// What is no file in the place of one: devices and pipes that never end, or never begin.
+// Devices and pipes that never end, or never begin, in the place of a file.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -20,7 +20,7 @@ class NoFiles : public testing::Test {
   TemporaryFolder folder_;
 };
 
-// What a merge says of it.
+// merge_of() returns what a merge says of a path.
 std::string merge_of(const std::string& path) {
   Process merge({"merge", path});
   std::string said = merge.output();
@@ -33,7 +33,7 @@ TEST_F(NoFiles, AreNoParts) {
     EXPECT_NE(merge_of(name).find(name + " is no file"), std::string::npos) << name;
 }
 
-// A file that a wrong hand made large costs no memory.
+// A file that was enlarged by mistake costs no memory.
 TEST_F(NoFiles, ALineWithoutAnEndIsNoPart) {
   std::ofstream(path("long")) << '{';
   std::filesystem::resize_file(path("long"), std::uintmax_t{1} << 33);  // holes
@@ -51,8 +51,7 @@ TEST_F(NoFiles, TakeNoPart) {
   }
 }
 
-// A request may come through a pipe, as from a shell; one of which nobody holds the other end is not waited for for
-// ever.
+// A request may come through a pipe, as from a shell; a pipe whose other end nobody holds is not waited for for ever.
 TEST_F(NoFiles, ARequestMayComeThroughAPipe) {
   Process run({"run", path("pipe")});
   std::ofstream(path("pipe")) << R"({"problem":"kepler","scheme":"leapfrog","record":{"every":0}})";

@@ -1,4 +1,4 @@
-// The discrete energy as a column, and what a hybrid's switches change, in answers: over real sockets.
+// The discrete energy as a column, and its jumps where a hybrid switches, in answers over real sockets.
 #include <gtest/gtest.h>
 
 #include "server/decode/json_parse.hpp"
@@ -39,7 +39,7 @@ TEST_F(DiscreteEnergyHttp, IsAColumnAndNullWhereThereIsNone) {
   }
 }
 
-// A scene as text, of whatever size, has that of the problem which it says, forward and backward.
+// A scene as text, of any size, has the discrete energy of the problem that it describes, forward and backward.
 TEST_F(DiscreteEnergyHttp, OfAScenesAsTextIsThatOfTheProblem) {
   const Json conservative = Json::parse(R"({"id":"custom","variables":["q"],"potential":"q^2/2"})");
   Json damped = conservative;

@@ -1,4 +1,4 @@
-// Ensembles over HTTP: faults by name, lines that add up to the answer.
+// Ensembles over HTTP: faults by name, and lines that add up to the answer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using EnsembleHttp = Serving;
 
-// The faults of a request that differs from a good one in one member: pointer and words.
+// faults_of() returns pointers and details of the faults of a request that differs from a good one in one member.
 std::string faults_of(const std::string& member, const Json& value) {
   Json request = Json::parse(
       R"({"problem":"kepler","scheme":"leapfrog","members":{"count":10,"vary":{"/initial/x":{"uniform":[0,1]}}}})");
@@ -110,7 +110,8 @@ TEST(EnsembleRequest, NamesEveryFault) {
   EXPECT_EQ(plan.error().list().at(0).pointer, "/keep");
 }
 
-// A column that was refused has no card: what else names it is left alone, and the request is refused, not the service.
+// A refused column has no card: other members that name it are not examined, and the request is refused without a
+// crash.
 TEST_F(EnsembleHttp, RefusedColumnsAreNamedWhateverElseIsAsked) {
   Json request = Json::parse(orbits);
   request["columns"].push_back({{"name", "mean"}, {"expression", "1/0"}});
@@ -119,7 +120,7 @@ TEST_F(EnsembleHttp, RefusedColumnsAreNamedWhateverElseIsAsked) {
   EXPECT_EQ(reply.status, 422) << reply.body;
   EXPECT_NE(reply.body.find("/columns/4/expression"), std::string::npos) << reply.body;
   EXPECT_EQ(reply.body.find("/histograms"), std::string::npos) << reply.body;
-  request["histograms"]["x"]["range"] = {1, 0};  // what is at fault besides is named, too
+  request["histograms"]["x"]["range"] = {1, 0};  // further faults are named, too
   const auto both = ask(port(), post("/v1/ensemble", request.dump()));
   EXPECT_NE(both.body.find("/columns/4/expression"), std::string::npos) << both.body;
   EXPECT_NE(both.body.find("/histograms/x/range"), std::string::npos) << both.body;
@@ -127,7 +128,7 @@ TEST_F(EnsembleHttp, RefusedColumnsAreNamedWhateverElseIsAsked) {
       "columns":[{"name":"a","expression":"sqrt(mu-1/3)+0*x"},"error"],"record":{"curve":20}})"));
   EXPECT_EQ(run.status, 422) << run.body;
 }
-// Of a parameter that varies the value beside it means nothing.
+// Where a parameter varies its common value is not used.
 TEST_F(EnsembleHttp, AnExpressionIsThatOfEachMember) {
   Json request = Json::parse(R"({"problem":{"id":"kepler","mu":0.2},"scheme":"leapfrog","until":{"t":1},
       "members":{"vary":{"/problem/mu":{"values":[0.5,0.2,2]}}},"keep":["final"],
@@ -165,7 +166,7 @@ TEST_F(EnsembleHttp, TheAnswerIsARequestThatGivesIt) {
   EXPECT_EQ(without_cost(ask(port(), post("/v1/ensemble", again.dump())).body), without_cost(reply.body));
 }
 
-// A column of an answer in CBOR: a typed array of binary64, little endian.
+// numbers_in() returns a column of a CBOR answer: a typed array of binary64, little endian.
 std::vector<double> numbers_in(const Json& column) {
   const auto& bytes = column.get_binary();
   EXPECT_EQ(bytes.subtype(), 86u);
@@ -300,7 +301,8 @@ TEST_F(EnsembleHttp, WarnsInEveryForm) {
   EXPECT_EQ(codes(Json::parse(lines.substr(lines.rfind("\n{") + 1))), whole);
 }
 
-// As lone runs do, in every form; the first member is so near the origin that the expression changes slowly.
+// The same as for single runs, in every form; the first member is so near the origin that the expression changes
+// slowly.
 TEST_F(EnsembleHttp, SaysOfWhichMembersEventsAreUnresolved) {
   const std::string request =
       R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": {"t": 3}, "columns": ["q"],
@@ -365,8 +367,8 @@ TEST_F(EnsembleHttp, SectionsHaveRoomForAsManyNumbersAsTheLimitSays) {
   EXPECT_EQ(Json::parse(ask(port(), post("/v1/simulate", alone.dump())).body)["section"]["t"].size(), 100U);
 }
 
-// The request of the contract: members beyond the product of grids and values go through it again, with draws of their
-// own.
+// The example of the contract: members beyond the product of grids and values go through it again, with their own
+// draws.
 TEST_F(EnsembleHttp, GridsAreGoneThroughAgainWhereSomethingIsDrawn) {
   const std::string request =
       R"({"problem": {"id": "custom", "variables": ["q"], "parameters": {"k": 1, "alpha": 0}, "potential": "k*q^2/2",
@@ -376,7 +378,7 @@ TEST_F(EnsembleHttp, GridsAreGoneThroughAgainWhereSomethingIsDrawn) {
             "/problem/alpha": {"grid": [0, 1, 3]}, "/problem/k": {"values": [1, 2]}}}})";
   const Json answer = Json::parse(ask(port(), post("/v1/ensemble", request)).body);
   ASSERT_EQ(answer["completed"], 20) << answer;
-  // The motion is linear: p/q from rest says which parameters a member has, q which start.
+  // The motion is linear: from rest p/q shows which parameters a member has, and q which start.
   const std::vector<double> q = answer["final"]["q"], p = answer["final"]["p"];
   for (std::size_t i = 0; i + 6 < q.size(); ++i) {
     EXPECT_NEAR(p[i + 6] / q[i + 6], p[i] / q[i], 1e-15) << i;

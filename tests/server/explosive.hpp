@@ -1,6 +1,6 @@
-// Scenes as text that are short, and of which more follows than of others: nested squares, towers of exponentials,
-// products of sums, each as a potential, a Lagrangian, a Hamiltonian and as equations; and those of many variables,
-// whose tangents have as many numbers as variables squared.
+// Scenes as text that are short, but whose derived formulas are large: nested squares, towers of exponentials, products
+// of sums, each as a potential, a Lagrangian, a Hamiltonian and as equations; and scenes of many variables, whose
+// tangents have as many numbers as variables squared.
 #pragma once
 
 #include <algorithm>
@@ -70,7 +70,7 @@ class ExplosiveTexts {
     return R"("problem":{"id":"custom","variables":[)" + names + "],\"" + kind + "\":" + mechanics + "}";
   }
 
-  /// Terms with a sign between, as many as there is room for.
+  /// joined() joins as many terms with a sign between as there is room for.
   std::string joined(char sign, const std::function<std::string(std::size_t)>& term) const {
     std::string all = term(0);
     for (std::size_t i = 1; i < 400; ++i) {
@@ -145,7 +145,7 @@ class ExplosiveTexts {
   std::minstd_rand random_{7};
 };
 
-// Scenes of many variables, by sums over them.
+// wide_scenes() returns scenes of many variables, written as sums over them.
 inline std::vector<Explosive> wide_scenes() {
   struct Shape {
     const char *name, *variables, *mechanics;
@@ -202,7 +202,8 @@ struct Question {
   std::string path, body;
 };
 
-// Every way to ask for something that is derived from a scene; `first`: one of its variables.
+// questions() returns every kind of request that derives formulas from a scene; `first` is one of the scene's
+// variables.
 inline std::vector<Question> questions(const Explosive& scene, const std::string& seconds,
                                        const std::string& first = "a") {
   const std::string begin = "{" + scene.problem, until = R"(,"until":{"t":1})",
@@ -228,7 +229,8 @@ inline std::vector<Question> questions(const Explosive& scene, const std::string
           {"/v1/periodic", begin + R"(,"period":6,"initial":{")" + first + R"(":0.1})" + limits}};
 }
 
-// Of schemes whose steps have derivatives: the form that they keep is measured by those of some of them.
+// questions_of_structure() returns requests by schemes whose steps have derivatives, with the diagnostic that needs
+// these.
 inline std::vector<Question> questions_of_structure(const Explosive& scene, const std::string& seconds) {
   std::vector<Question> all;
   for (const char* scheme : {"variational_midpoint", "galerkin_4", "contact_gauss", "energy_momentum"})

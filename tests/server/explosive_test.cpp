@@ -1,5 +1,5 @@
-// Scenes as text of which much follows: whatever is derived from them is bounded, so that limits hold and nobody who
-// left is computed for.
+// Scenes as text with large derived formulas: their derivation is bounded, so that time limits hold and nothing is
+// computed for clients that have left.
 #include "tests/server/explosive.hpp"
 
 #include <gtest/gtest.h>
@@ -23,17 +23,19 @@ class ExplosiveScenes : public testing::Test {
   using Clock = std::chrono::steady_clock;
 
   int port() const { return port_; }
-  /// Every question of every scene is asked, which takes minutes, or some of them.
+  /// thorough() says whether every question about every scene is asked, which takes minutes, or only some.
   static bool thorough() { return std::getenv("LEAST_EXHAUSTIVE") != nullptr; }
   static bool left_out(const Reply& reply) { return reply.status == 500 && std::string(LEAST_LEFT_OUT) != "  "; }
-  // 422: the scheme does not fit, or what follows takes too many operations. 500 of a build that leaves its form out.
+  // 422: the scheme does not fit, or the derived formulas take too many operations. 500: this build leaves their form
+  // out.
   static bool answered(const Reply& reply) {
     if (reply.status == 200 || reply.status == 422) return true;
     return left_out(reply);
   }
 
-  /// The answer to a request that costs the processor less than `most` seconds, at least one time of three: a machine
-  /// that shares its cores takes longer now and then, and what computes for too long does so each time.
+  /// answer_within() returns the answer to a request that takes less than `most` processor seconds in at least one of
+  /// three attempts: on a shared machine one takes longer now and then, but a computation that is not bounded does so
+  /// each time.
   Reply answer_within(double most, const std::string& path, const std::string& body) {
     Reply reply;
     double least = most;
@@ -51,9 +53,9 @@ class ExplosiveScenes : public testing::Test {
   int port_ = port_in(service_.line());
 };
 
-// A tenth of a second was asked for; before what follows was bounded some took half a minute. What the service computes
-// is measured on the processor, beside whatever else the machine does: an ensemble on two threads, and what comes
-// after.
+// The limit is a tenth of a second; before derivations were bounded some took half a minute. The time is processor
+// time, because other work of the machine does not count, and includes an ensemble on two threads and the work after
+// the limit.
 TEST_F(ExplosiveScenes, KeepTheLimitOfTheirTime) {
 #if defined(__SANITIZE_ADDRESS__)
   constexpr double most = 30;
@@ -72,9 +74,9 @@ TEST_F(ExplosiveScenes, KeepTheLimitOfTheirTime) {
   }
 }
 
-// Of scenes of many variables all that is asked costs what was asked for and little more: no square of their number is
-// gone through without a look at the clock. What did took 3 to 37 processor seconds; .3 is the most on a quiet machine,
-// of which one that shares its cores may make half as much again.
+// Requests about scenes of many variables take the time asked for and little more: no loop over the square of their
+// number runs without a look at the clock. Those that did took 3 to 37 processor seconds; .3 is the most on a quiet
+// machine, half as much again on a shared one.
 TEST_F(ExplosiveScenes, OfManyVariablesKeepIt) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "minutes there";
@@ -103,7 +105,7 @@ TEST_F(ExplosiveScenes, OfManyVariablesKeepIt) {
 #endif
 }
 
-// A motion that begins where a thousand formulas change: to leave all of these borders takes seconds, within one step.
+// A motion that begins where a thousand formulas change: leaving all of these borders takes seconds, within one step.
 TEST_F(ExplosiveScenes, KeepItWhereAThousandFormulasChange) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "minutes there";
@@ -119,7 +121,7 @@ TEST_F(ExplosiveScenes, KeepItWhereAThousandFormulasChange) {
 #endif
 }
 
-// A step of a scheme that solves for the next place decomposes the matrix of all places, which looks at the clock.
+// A step of an implicit scheme factorizes the matrix of all coordinates, and looks at the clock in doing so.
 TEST_F(ExplosiveScenes, KeepItWithinAStep) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "minutes there";
@@ -156,7 +158,7 @@ TEST_F(ExplosiveScenes, KeepItBesideTheStructureOfTheirSteps) {
 #endif
 }
 
-// What is too large for one purpose is refused for that by name, and the run goes on.
+// Formulas too large for one purpose are refused for that purpose by name, and the run goes on.
 TEST_F(ExplosiveScenes, GoOnWithoutTheirTangents) {
   for (const Explosive& scene : ExplosiveTexts::all()) {
     if (scene.name != "products of sums potential") continue;
@@ -177,7 +179,7 @@ TEST_F(ExplosiveScenes, AreNotComputedForThoseWhoLeft) {
     leaves.send(post(question.path, question.body));
     leaves.hang_up();
   }
-  // Until the service has seen that they left it may say that nobody makes room; soon it serves who comes.
+  // Until the service has noticed that the clients left it may answer that it has no room; soon it serves again.
   const auto from = Clock::now();
   Reply reply;
   do {
@@ -187,7 +189,7 @@ TEST_F(ExplosiveScenes, AreNotComputedForThoseWhoLeft) {
   EXPECT_LT(Clock::now() - from, std::chrono::seconds(8));
 }
 
-// Of each scene another question, whose client leaves after .05 s: nothing computes, and nothing is held, soon after.
+// Each scene gets another question, whose client leaves after .05 s: soon after nothing computes, and nothing is held.
 TEST_F(ExplosiveScenes, AreGivenUpSoonAfterTheirClientLeft) {
 #if defined(__SANITIZE_ADDRESS__)
   constexpr double most = 10;

@@ -1,4 +1,4 @@
-// Columns and events that are expressions, over HTTP: what they say, in every form of an answer, and what is refused.
+// Columns and events that are expressions, over HTTP: their values, in every form of an answer, and refusals.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -35,7 +35,7 @@ Json with_own(Json request, const Json& columns, const Json& events = Json::arra
   if (!events.empty()) request["events"] = events;
   return request;
 }
-/// From the perihelion, of eccentricity .6 and period 2π.
+/// ellipse_of() requests a Kepler orbit of eccentricity .6 and period 2π from the perihelion.
 Json ellipse_of(const Json& scheme) {
   return {{"problem", "kepler"},
           {"scheme", scheme},
@@ -70,7 +70,7 @@ TEST_F(Expressions, AreColumnsToTheBit) {
   }
 }
 
-// Sums, products and conditions on their indices go with the names of any scene.
+// Sums, products and conditions on their indices may be used with the names of any scene.
 TEST_F(Expressions, MayBeSums) {
   for (const char* problem : {R"("kepler")", R"({"id":"custom","variables":["x","y"],"potential":"x^2+y^2"})"}) {
     Json request{{"problem", Json::parse(problem)},
@@ -180,7 +180,7 @@ TEST_F(Expressions, AreEventsThatEndARun) {
     EXPECT_EQ(answer["final"]["t"], last["t"]);
     EXPECT_NEAR(last["t"].get<double>(), 2 * std::numbers::pi, scheme == std::string("taylor") ? 1e-11 : 0.1);
     for (const char* name : {"x", "y", "px", "py"}) EXPECT_EQ(answer["final"][name], last["state"][name]);
-    // The request that the answer holds gives the same run.
+    // The request that the answer contains gives the same run.
     Json again;
     for (const char* key : {"problem", "initial", "scheme", "until", "record", "columns", "limits", "norm"})
       again[key] = answer.at(key);
@@ -208,7 +208,7 @@ TEST_F(Expressions, AreServedByAutoToo) {
   EXPECT_TRUE(answer.contains("choice"));
 }
 
-// What asks for s or for the energy makes a run carry it; the states stay what they are.
+// An expression with s or the energy makes a run carry it; the states do not change.
 TEST_F(Expressions, MakeARunCarryWhatTheyRead) {
   const Json plain{{"problem", "damped_oscillator"}, {"scheme", "contact_leapfrog"}, {"record", {{"samples", 5}}}};
   const Json lean = run(plain), action = run(with_own(plain, Json::array({"t", "q", own("twice", "2*s")}))),
@@ -279,7 +279,7 @@ TEST_F(Expressions, AreRefusedWithThePlace) {
   EXPECT_EQ(only_fault(send(request))["allowed"], "x, y, px, py, t, energy, mu, pi");
 }
 
-// Beyond what it takes to read the JSON.
+// The time is that beyond parsing the JSON.
 TEST_F(Expressions, ThatAreHugeAreRefusedAtOnce) {
   using Clock = std::chrono::steady_clock;
 #if defined(__SANITIZE_ADDRESS__)

@@ -1,4 +1,4 @@
-// What a request was refused for.
+// The faults for which a request was refused.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,8 @@
 
 namespace least::server::test {
 
-/// The only fault that a reply names; empty members, and a failure of the test, where there is not one.
+/// only_fault() returns the only fault of a reply; where there is not exactly one, the test fails and its members are
+/// empty.
 inline nlohmann::json only_fault(const Reply& reply) {
   EXPECT_EQ(reply.status, 422) << reply.body;
   const nlohmann::json document = nlohmann::json::parse(reply.body, nullptr, false);

@@ -1,4 +1,4 @@
-// The example that fits a parameter to measurements, as a user runs it: where there is a python3, and nothing else.
+// The example that fits a parameter to measurements, run as by a user where there is a python3; it needs nothing else.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -19,7 +19,7 @@ inline constexpr std::string_view page_text = "<!doctype html><title>page</title
 inline constexpr Asset page_assets[] = {{"/index.html", "text/html; charset=utf-8", page_text},
                                         {"/page.js", "text/javascript", "export {};"}};
 
-/// Settings on a free port; the log of a test is silent.
+/// quiet_settings() returns settings with a free port, and silences the log.
 inline Settings quiet_settings() {
   spdlog::set_level(spdlog::level::off);
   Settings settings;
@@ -30,7 +30,7 @@ inline Settings quiet_settings() {
   return settings;
 }
 
-/// One service for all tests of a suite.
+/// Serving starts one service for all tests of a suite.
 class Serving : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -45,7 +45,7 @@ class Serving : public testing::Test {
   static inline std::unique_ptr<Service> service_;
 };
 
-/// Requests and answers in JSON.
+/// Asking sends requests and reads answers in JSON.
 class Asking : public Serving {
  protected:
   using Json = nlohmann::json;  // members have no order
@@ -53,7 +53,7 @@ class Asking : public Serving {
   static Reply reply(const Json& request, const char* path = "/v1/simulate", const std::string& accept = {}) {
     return ask(port(), post(path, request.dump(), accept.empty() ? "" : "Accept: " + accept + "\r\n"));
   }
-  /// An answer of another status ends the test.
+  /// answer() returns the answer to a request; another status than expected ends the test.
   static Json answer(const Json& request, const char* path = "/v1/simulate", int status = 200) {
     const Reply made = reply(request, path);
     if (made.status != status) throw std::runtime_error(made.body.substr(0, 1000));
@@ -62,7 +62,7 @@ class Asking : public Serving {
   static Json fault_of(const Json& request, const char* path = "/v1/simulate") {
     return only_fault(reply(request, path));
   }
-  /// A scene as text.
+  /// custom() returns the problem of a scene as text.
   static Json custom(const char* text) {
     Json problem = Json::parse(text);
     problem["id"] = "custom";

@@ -1,4 +1,5 @@
-// lifted_splitting over HTTP on equations alone: in every request that takes a scheme of equal steps, and its refusals.
+// lifted_splitting over HTTP for equations alone: in every kind of request that takes a scheme of equal steps, and
+// refusals.
 #include <gtest/gtest.h>
 
 #include <algorithm>

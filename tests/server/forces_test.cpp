@@ -64,7 +64,7 @@ TEST_F(Forces, AreAskedInEveryWay) {
   EXPECT_EQ(stopped["events"][0]["name"], "turn");
   EXPECT_NEAR(stopped["final"]["px"], 0, 1e-12);
 
-  // An elastic floor does no work, so that the balance holds over bounces.
+  // An elastic floor does no work, so that the energy balance holds over bounces.
   request =
       Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"9.81*x","forces":{"x":"-0.1*vx^3"}},
     "initial":{"x":1},"scheme":"taylor","until":3,"diagnostics":["energy"],
@@ -91,7 +91,7 @@ TEST_F(Forces, AreAskedInEveryWay) {
   for (const Json& curve : study["curves"]) EXPECT_GT(curve["points"].size(), 3U);
 }
 
-// Where friction holds a mass no reference goes on, and the answer says so, not that its time was over.
+// Where friction holds a mass the reference ends, and the answer says so, and not that its time was over.
 TEST_F(Forces, ThatHoldWhatRestsEndTheReference) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"x^2/2",
       "forces":{"x":"-0.3*sign(vx)"}},"initial":{"x":1},"scheme":"leapfrog","until":6,"record":{"every":0},
@@ -107,7 +107,7 @@ TEST_F(Forces, ThatHoldWhatRestsEndTheReference) {
   EXPECT_TRUE(told) << made["warnings"];
 }
 
-// Where friction holds a mass a control run stands still, and nothing is singular there.
+// Where friction holds a mass the control run stands still, which is not a singularity.
 TEST_F(Forces, ThatHoldWhatRestsAreNoSingularity) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"0*x",
       "forces":{"x":"-0.3*sign(vx)"}},"initial":{"vx":0.5},"scheme":"leapfrog","until":10,"record":{"every":0}})~");
@@ -124,8 +124,8 @@ TEST_F(Forces, ThatHoldWhatRestsAreNoSingularity) {
   })) << beyond["warnings"];
 }
 
-// Backward in time friction gives what it takes forward, and a force that is even in v stays as it is: the run there
-// and back returns, and so does the work.
+// Backward in time friction adds the energy that it takes forward, and a force that is even in v does not change: a run
+// there and back returns, and so does the work.
 TEST_F(Forces, GoBackward) {
   struct Case {
     const char *scene, *scheme;

@@ -1,4 +1,4 @@
-// The forms of an answer over real sockets: lines that come while a run goes on, binary columns, large answers.
+// The forms of an answer over real sockets: lines that come during a run, binary columns, large answers.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -27,7 +27,7 @@ std::vector<Json> lines_of(const std::string& body) {
   return lines;
 }
 
-// The JSON answer that lines of a run amount to.
+// joined() assembles the JSON answer from the lines of a run.
 Json joined(const std::vector<Json>& lines) {
   Json answer = lines.front();
   answer["trajectory"] = Json::object();
@@ -44,7 +44,7 @@ Json joined(const std::vector<Json>& lines) {
   return answer;
 }
 
-// Both, without their costs, as sorted trees.
+// expect_same() compares both as sorted trees, without their costs.
 void expect_same(const Json& a, const Json& b, std::string_view what) {
   auto left = nlohmann::json::parse(a.dump()), right = nlohmann::json::parse(b.dump());
   left.erase("cost");
@@ -97,7 +97,7 @@ TEST_F(Forms, BinaryHoldsTheSameNumbers) {
   }
 }
 
-// Lines come while the run goes on, progress at most every 200 ms and with what there is so far.
+// Lines come during the run; progress comes at most every 200 ms, with the rows so far.
 TEST_F(Forms, LinesComeWhileTheRunGoesOn) {
   Client client(port());
   client.send(post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
@@ -149,7 +149,7 @@ TEST_F(Forms, LinesSayWhatWasChosen) {
   EXPECT_NE(lines[0]["scheme"]["id"], "auto");
 }
 
-// A large answer leaves in pieces, and is the same.
+// A large answer is sent in pieces, and is the same.
 TEST_F(Forms, LargeAnswersAreWhole) {
   const std::string request =
       R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":60000},"record":{"every":1}})";
@@ -163,7 +163,7 @@ TEST_F(Forms, LargeAnswersAreWhole) {
   EXPECT_EQ(Json::parse(csv.fields.at("leastaction-final")), answer["final"]);
 }
 
-// What does not fit into a field is left out of a table, whose body has rows alone.
+// A table has rows only: what does not fit into a header field is left out.
 TEST_F(Forms, ATableHasRowsAlone) {
   const std::string request = R"({"problem":"kepler","scheme":{"id":"jacobi_maupertuis","step":0.01},
     "until":{"t":400},"record":{"every":0}})";
@@ -187,7 +187,8 @@ TEST_F(Forms, SamplesAreCountedInNumbers) {
   EXPECT_EQ(status(R"("record":{"samples":40},"columns":["t","x"],"limits":{"samples":80})"), 200);
 }
 
-// Of every scheme, also of one that is chosen, and one whose steps are not known beforehand.
+// The limit of samples holds for every scheme, also for one chosen by `auto`, and for one whose steps are not known
+// beforehand.
 TEST_F(Forms, NoSchemeKeepsMoreSamplesThanItMay) {
   const Reply chosen = ask(port(), post("/v1/simulate", R"({"problem":"kepler","scheme":{"id":"auto","accuracy":1e-6},
     "until":{"t":200},"record":{"every":1},"limits":{"samples":500}})"));
@@ -235,7 +236,7 @@ TEST_F(Forms, CountsBeyondTheExactOnesAreRefused) {
   EXPECT_EQ(status("18446744073709551615"), 422);
 }
 
-// Answers hold no more memory together than they may; who reads makes room for others.
+// All answers together hold no more memory than the limit; a client that reads makes room for others.
 TEST(Memory, IsBoundedAcrossAnswers) {
   Settings settings = quiet_settings();
   settings.caps.samples = 1'000'000;
@@ -248,7 +249,7 @@ TEST(Memory, IsBoundedAcrossAnswers) {
   EXPECT_EQ(ask(service.port(), large).status, 200);
   Client reader(service.port());
   reader.send(large);
-  ASSERT_EQ(reader.interim(), 200);  // and it reads no further
+  ASSERT_EQ(reader.interim(), 200);  // and reads no further
   const Reply refused = ask(service.port(), large);
   EXPECT_EQ(refused.status, 503);
   EXPECT_NE(refused.body.find("memory"), std::string::npos);
@@ -262,11 +263,11 @@ TEST(Memory, IsBoundedAcrossAnswers) {
   EXPECT_NE(ask(service.port(), get("/metrics")).body.find("leastaction_held_bytes 0\n"), std::string::npos);
 }
 
-// Bodies count as well, as they come; what is small is taken in any case.
+// Bodies of requests count as well, as they arrive; small ones are always taken.
 TEST(Memory, IsBoundedAcrossRequests) {
   Settings settings = quiet_settings();
   settings.caps.samples = 1000;
-  settings.max_memory = 4'400'000;  // a body, and what is held for the text of an answer, and no second body
+  settings.max_memory = 4'400'000;  // room for a body and for the text of an answer, but not for a second body
   settings.bounds.body = 1 << 21;
   Service service(settings, page_assets);
   ASSERT_FALSE(service.start());

@@ -1,4 +1,5 @@
-// harmonic_splitting over HTTP: chains and small swings, asked in every way that a scheme of equal steps is.
+// harmonic_splitting over HTTP: chains and small oscillations, in every kind of request that takes a scheme of equal
+// steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// kepler_splitting over HTTP: the outer planets and a body about a fixed centre, asked in every way that a scheme of
-// equal steps is.
+// kepler_splitting over HTTP: the outer planets and a body about a fixed centre, in every kind of request that takes a
+// scheme of equal steps.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ class KeplerSplittingHttp : public Asking {
       "scheme":{"id":"kepler_splitting","step":100},"until":200000,"record":{"every":0},
       "diagnostics":["energy","momenta"]})~");
   }
-  /// Of few coordinates, which a class is compiled for: a body about a fixed centre, and a tide.
+  /// A scene of few coordinates, which have a compiled class: a body about a fixed centre, and a tide.
   static Json tide() {
     return Json::parse(R"~({"problem":{"id":"custom","variables":["x","y"],"parameters":{"e":0.01,"soft":0},
       "potential":"-1/sqrt(x^2+y^2+soft) + e*x^2*(1+cos(t)/2)"},"initial":{"x":1,"vy":1.1},"until":40,
@@ -80,7 +80,7 @@ TEST_F(KeplerSplittingHttp, IsOfferedWhereItFits) {
   other["problem"]["potential"] = "x^4 + y^2 + e + soft";
   EXPECT_FALSE(offers(card(other)));
   EXPECT_NE(detail_of(other).find("V has no term −k/r"), std::string::npos) << detail_of(other);
-  // What the parameters of a request undo.
+  // With these parameters the scene is not planetary any more.
   Json soft = tide();
   soft["problem"]["soft"] = 0.1;
   EXPECT_NE(detail_of(soft).find("V has no term −k/r"), std::string::npos) << detail_of(soft);
@@ -130,7 +130,7 @@ TEST_F(KeplerSplittingHttp, HasEventsThatActSectionsColumnsAndStructure) {
     EXPECT_NEAR(made["events"][i]["t"], known["events"][i]["t"], 1e-6);
   EXPECT_NEAR(made["diagnostics"]["lyapunov"]["megno"], known["diagnostics"]["lyapunov"]["megno"], 0.02);
 
-  // A wall that throws the body back.
+  // A wall that reflects the body.
   request = tide();
   request["events"] = {
       {{"name", "wall"}, {"expression", "y-0.5"}, {"direction", "up"}, {"set", {{"vy", "-vy"}}}, {"most", 6}}};
@@ -181,7 +181,8 @@ TEST_F(KeplerSplittingHttp, IsStudiedAndVaried) {
   EXPECT_EQ(made["scheme"]["id"], "kepler_splitting") << "of all that keep the structure";
 }
 
-// Two light bodies that pass each other: the map whose derivative is told has the order of the run, that of its start.
+// Two light bodies in a close encounter: the map that is differentiated keeps the order of the bodies at the start of
+// the run, as the run does.
 TEST_F(KeplerSplittingHttp, OfBodiesThatPassEachOther) {
   const auto request = [](const std::string& more, const Json& scheme) {
     Json problem = custom(R"~({"variables": ["x[3]", "y[3]"], "parameters": {"m": [1, 1e-3, 1e-3]},
@@ -201,7 +202,7 @@ TEST_F(KeplerSplittingHttp, OfBodiesThatPassEachOther) {
     const Json made = answer(request("", {{"coordinates", coordinates}}));
     EXPECT_EQ(made["diagnostics"]["lyapunov"]["derivative"], "scheme") << coordinates;
   }
-  // Jumps and kicks make one part of weak forces only where these are between the bodies.
+  // Jumps and kicks form one part of weak forces only where all of these act between the bodies.
   const char* further = "+0.001*x[2]^2";
   const Json refused = answer(request(further, {{"coordinates", "heliocentric"}, {"splitting", "aba_864"}}));
   EXPECT_NE(refused["stop"]["detail"].get<std::string>().find("jacobi keeps it"), std::string::npos) << refused["stop"];

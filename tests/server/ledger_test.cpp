@@ -1,4 +1,4 @@
-// What requests make is counted before it is made: of the worst of every endpoint and form, eight at once.
+// The memory of requests is counted before it is taken: the worst requests of every endpoint and form, eight at once.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Worst {
 constexpr const char *in_json = "application/json", *in_lines = "application/x-ndjson", *in_cbor = "application/cbor",
                      *in_csv = "text/csv";
 
-// Two million numbers may be kept.
+// worst_requests() returns requests for services that keep two million numbers at most.
 std::vector<Worst> worst_requests() {
   std::vector<Worst> all;
   const std::string oscillator = R"("problem":"harmonic_oscillator","scheme":{"id":"leapfrog","step":0.05})";
@@ -77,7 +77,7 @@ double peak_mebibytes(const Process& service) {
   return kibibytes / 1024;
 }
 
-// What is read of an answer is not kept.
+// status_of() reads an answer without keeping it, and returns its status.
 int status_of(int port, const Worst& request) {
   Client client(port);
   client.send(post(request.path, request.body, "Accept: " + request.form + "\r\nConnection: close\r\n"));
@@ -88,9 +88,9 @@ int status_of(int port, const Worst& request) {
 }
 
 TEST(Ledger, HoldsWhatEveryEndpointMakes) {
-  // In mebibytes. Beyond what is counted: the program, of which 22 are its file, and what lies in heaps and is made of
-  // scenes as text on the way: 54 on a quiet machine, 55 beside two busy loops. 60 is the aim; the rest is for machines
-  // that are slow to give memory back. The container of the README has 256 for 100.
+  // In MiB. Beyond what is counted there are the program, 22 of them for its file, and in heaps intermediate data of
+  // scenes as text: 54 on a quiet machine, 55 beside two busy loops. 60 is the aim; the rest is for machines that are
+  // slow to give memory back. The container of the README has 256 for 100.
   constexpr double memory = 40, beyond = 75;
   Process service({"serve", "--port", "0", "--threads", "8", "--max-samples", "2000000", "--log-level", "warning",
                    "--max-memory", std::to_string(static_cast<long>(memory) << 20)});
@@ -114,9 +114,9 @@ TEST(Ledger, HoldsWhatEveryEndpointMakes) {
   }
 }
 
-// What a scene of a thousand coordinates makes grows with what it says, not with their square: some 11 MiB are held as
-// long as it runs, so that eight at once have room; who needs more while equations are derived waits for another who
-// does. Where the machine is so slow that the wait is too short, some may be told so.
+// The memory of a scene of a thousand coordinates grows with the length of its formulas, not with the square of their
+// number: it holds some 11 MiB while it runs, so that eight fit at once. One that needs more while equations are
+// derived waits for another that does. Where the machine is so slow that the wait is too short, some may be refused.
 TEST(Ledger, HasRoomForLargeScenes) {
   Process service({"serve", "--port", "0", "--threads", "8", "--log-level", "warning", "--max-memory", "100M"});
   const int port = port_in(service.line());

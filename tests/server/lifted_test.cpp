@@ -1,4 +1,4 @@
-// lifted_splitting over HTTP: in every request that takes a scheme of equal steps, and its refusals.
+// lifted_splitting over HTTP: in every kind of request that takes a scheme of equal steps, and refusals.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -59,7 +59,7 @@ TEST_F(LiftedSplittingHttp, StandsInEveryList) {
   EXPECT_TRUE(std::ranges::count(card["schemes"], Json("lifted_splitting")) == 1) << card["schemes"];
 }
 
-// Backward, with an event that acts, a section, and columns: what comes back is where it began.
+// Backward, with an event that acts, a section, and columns: the run returns to its start.
 TEST_F(LiftedSplittingHttp, GoesBackwardAndMeetsEvents) {
   for (const Json& problem : {three_bodies(), friction()}) {
     Json request = run_of(problem);
@@ -113,7 +113,7 @@ TEST_F(LiftedSplittingHttp, IsStudied) {
   EXPECT_EQ(choice["scheme"]["id"], "lifted_splitting") << choice["choice"];
 }
 
-// Of the scheme's own map, by the start and by parameters of every part: of V, of the frame's turn, of the mass.
+// Derivatives of the scheme's own map by the start and by parameters of every part: of V, of the rotation, of the mass.
 TEST_F(LiftedSplittingHttp, HasSensitivities) {
   const Json turning = custom(R"~({"variables":["x","y"],"parameters":{"m":1.5,"omega":0.7,"k":2,"c":0.1},"hamiltonian":
       "(px^2+py^2)/(2*m) + omega*(y*px - x*py) + k*x^4/4 + y^2/2 + c*s"})~");

@@ -1,5 +1,5 @@
-// Scenes as text of many of a kind, over HTTP: lists in requests and answers, numbers that are texts, where faults
-// point.
+// Scenes as text with many variables of a kind, over HTTP: lists in requests and answers, numbers as texts, and the
+// places of faults.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ TEST_F(Many, AnswerByTheNamesOfElements) {
   EXPECT_LT(answer["diagnostics"]["energy"]["max_rel_error"], 1e-4);
 }
 
-// As many bodies as texts have room for: their card, and a run.
+// As many bodies as the expanded texts have room for: their card, and a run.
 TEST_F(Many, AHundredBodiesAreAnswered) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]","z[n]"],"parameters":{"n":100},
     "potential":"-sum(i=1..n, j=i+1..n, 1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2+(z[i]-z[j])^2+0.01))"}})~");
@@ -68,7 +68,8 @@ TEST_F(Many, AHundredBodiesAreAnswered) {
   EXPECT_LT(answer["diagnostics"]["energy"]["max_rel_error"], 1e-6);
 }
 
-// More than can be written out: sums stay sums, in cards, runs and their echoes; what needs every term says so.
+// More than can be expanded: sums stay sums, in cards, runs and their echoes; what needs every term is refused with
+// that reason.
 TEST_F(Many, FiveHundredBodiesAreAnswered) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]"],"parameters":{"n":500},
     "potential":"-sum(i=1..n, j=i+1..n, 1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2+0.01))/n"}})~");
@@ -94,8 +95,7 @@ TEST_F(Many, FiveHundredBodiesAreAnswered) {
   EXPECT_NE(faults(request)[0]["detail"].dump().find("more terms than derivatives"), std::string::npos);
 }
 
-// The echo is the request, as it was typed, and leads to the same bytes.
-// Of equations that are too long for quad precision the reference is a run in double, as `reference` says.
+// For equations too long for quad precision the reference is a run in double precision, as `reference` says.
 TEST_F(Many, ErrorsOfFiftyBodiesAreKnown) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]"],"parameters":{"n":50},
     "potential":"-sum(i=1..n, j=i+1..n, 1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2+0.01))/n"},
@@ -120,6 +120,7 @@ TEST_F(Many, ErrorsOfFiftyBodiesAreKnown) {
   EXPECT_NEAR(error["final"].get<double>(), apart / largest, 1e-11);
 }
 
+// The echo is the request as it was typed, and leads to the same bytes.
 TEST_F(Many, EchoWhatWasTyped) {
   Json first = run(chain());
   EXPECT_EQ(first["problem"]["variables"], Json::parse(R"~(["x[n]"])~"));
@@ -181,7 +182,7 @@ TEST_F(Many, FaultsPointToWhatWasTyped) {
   EXPECT_EQ(first(request)["pointer"], "/until/t") << "numbers know no names";
 }
 
-// A frame that turns: at rest in it the momenta are not zero.
+// In a rotating frame the momenta of a body at rest are not zero.
 TEST_F(Many, WhatIsMissingIsAtRest) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x","y"],
     "lagrangian":"((vx-y)^2+(vy+x)^2)/2"},"initial":{"x":1},"until":{"t":0.5},"scheme":"taylor"})~");
@@ -199,7 +200,7 @@ TEST_F(Many, WhatIsMissingIsAtRest) {
   EXPECT_NEAR(free["final"]["x"].get<double>(), 2, 1e-13);
 }
 
-// Of each coordinate the velocity or the momentum. Here p = (2 va + vb cos(a−b), vb + va cos(a−b)).
+// Each coordinate has a velocity or a momentum. Here p = (2 va + vb cos(a−b), vb + va cos(a−b)).
 TEST_F(Many, CoordinatesInVelocitiesStandBesideOthersInMomenta) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["a","b"],
     "lagrangian":"va^2 + vb^2/2 + va*vb*cos(a-b) + 2*cos(a) + cos(b)"},
@@ -214,7 +215,7 @@ TEST_F(Many, CoordinatesInVelocitiesStandBesideOthersInMomenta) {
   const Json fault = faults(request).at(0);
   EXPECT_EQ(fault["pointer"], "/initial/vb");
   EXPECT_NE(fault["detail"].get<std::string>().find("pb exclude each other"), std::string::npos) << fault;
-  // Momenta of a hundred coordinates, velocities of a hundred others: what one has does not change another's.
+  // Momenta of a hundred coordinates, velocities of a hundred others: one does not change another's.
   request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[100]","y[100]"],
     "lagrangian":"sum(i=1..100, (2*vx[i]^2 + vy[i]^2 - x[i]^2)/2)"},"until":{"t":0.1},"scheme":"taylor"})~");
   request["initial"] = {{"px", Json(std::vector<double>(100, 0.5))}, {"vy", Json(std::vector<double>(100, 3))}};
@@ -260,7 +261,7 @@ TEST_F(Many, AStartInEquilibriumIsToldWhereNothingMoves) {
   EXPECT_EQ(run(request)["warnings"], Json::array()) << "a force that begins at 0 moves it";
 }
 
-// A parameter in a condition is one whatever its value, whole or not.
+// A parameter in a condition stays a parameter whatever its value, whole or not.
 class Conditions : public Asking {};
 
 TEST_F(Conditions, OnParametersAreSettledByTheirValues) {

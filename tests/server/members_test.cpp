@@ -1,4 +1,4 @@
-// Where the members of an ensemble start, over HTTP.
+// The starts of the members of an ensemble, over HTTP.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -13,8 +13,9 @@ namespace {
 
 using MembersHttp = Serving;
 
-// Of a start in velocities members have these in common, and each the momenta that its parameters and places make of
-// them, as runs of their own have; or the momenta, where that is said or where these vary.
+// Where the start is given in velocities the members have these in common, and each member the momenta that follow with
+// its own parameters and positions, as single runs do; where momenta are given, or vary, the members have those in
+// common.
 TEST_F(MembersHttp, MembersOfAStartInVelocitiesAreTheirRuns) {
   const Json problem = Json::parse(R"~({"id":"custom","variables":["x","y"],"parameters":{"m":2,"b":0.7},
       "lagrangian":"m*(vx^2+vy^2*(1+x^2))/2 + b*x*vy - x^2/2 - y^2"})~");
@@ -52,7 +53,7 @@ TEST_F(MembersHttp, MembersOfAStartInVelocitiesAreTheirRuns) {
       for (const char* column : {"x", "y", "px", "py"})
         EXPECT_EQ(made["final"][column][k], alone[column]) << pointer << ' ' << k << column;
     }
-    // What it answers with is a request of the same members, whose start is in momenta.
+    // The answer's echo is a request of the same members, whose start is in momenta.
     Json again;
     for (const char* key : {"problem", "initial", "scheme", "until", "limits", "members", "range", "columns", "keep"})
       again[key] = made[key];
@@ -73,8 +74,7 @@ TEST_F(MembersHttp, MembersOfAStartInVelocitiesAreTheirRuns) {
   EXPECT_NE(refused.body.find("vary vx"), std::string::npos) << refused.body;
 }
 
-// At the pole of polar coordinates momenta say nothing of velocities; members begin elsewhere.
-// Pointers to what is counted are those of sensitivities: /initial/x/1 is /initial/x[2].
+// Pointers to elements are those of sensitivities: /initial/x/1 is /initial/x[2].
 TEST_F(MembersHttp, VaryWhatIsCountedByEitherPointer) {
   const auto made = [&](const std::string& start, const std::string& parameter) {
     const Json request{{"problem", Json::parse(R"~({"id":"custom","variables":["x[2]"],"parameters":{"m":[1,2]},
@@ -96,6 +96,7 @@ TEST_F(MembersHttp, VaryWhatIsCountedByEitherPointer) {
   EXPECT_EQ(ask(port(), post("/v1/ensemble", twice.dump())).status, 422);
 }
 
+// At the pole of polar coordinates momenta do not determine velocities; the members begin elsewhere.
 TEST_F(MembersHttp, MembersBeginWhereTheCommonStartCannot) {
   const Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["r","a"],
       "lagrangian":"(vr^2+r^2*va^2)/2-r^2/2"},"initial":{"va":0.5},"until":1,"scheme":"runge_kutta_4",
@@ -107,7 +108,7 @@ TEST_F(MembersHttp, MembersBeginWhereTheCommonStartCannot) {
   EXPECT_NEAR(made["final"]["pa"][1], 4 * 0.5, 1e-12) << "r² va";
 }
 
-// What members hold in common cannot be read: what varies is not judged by it.
+// Where the common start cannot be read, the variations are not checked against it.
 TEST_F(MembersHttp, AFaultInWhatTheyHoldIsTheOnlyOne) {
   const Reply reply = ask(port(), post("/v1/ensemble", R"~({"problem":{"id":"custom","variables":["x"],
       "potential":"x^2/2"},"scheme":"leapfrog","until":1,

@@ -16,7 +16,7 @@
 namespace least::server::test {
 namespace {
 
-// How far a merge carries is said where it is done: of what it took, and of blocks of 4,096 members.
+// The standard error of a merge says how much it took, in blocks of 4,096 members.
 TEST(Command, MergeSaysWhatItTakes) {
   const std::string part = testing::TempDir() + "least_part";
   std::filesystem::remove(part);
@@ -90,7 +90,7 @@ TEST_F(EnsembleParts, MergeWithTrajectories) {
   EXPECT_EQ(ways["r"][8999].size(), 2u) << "all of them stop before the last sample";
 }
 
-// Of a block in which nobody comes to the end the counts are zeros.
+// A block in which no member completes has counts of zero.
 TEST_F(EnsembleParts, MergeWhereNobodyCompletes) {
   Json request = Json::parse(orbits);
   request["limits"] = {{"steps", 3}};
@@ -115,8 +115,7 @@ TEST_F(EnsembleParts, AreNotComputedTwiceAndReplacedWhereTheyAreNotWhole) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.name()), {}), 1) << "nothing else is left behind";
 }
 
-// A disk that gives back other bytes than it was given, or a hand: no wrong number comes of it, and another run mends
-// it.
+// A part whose bytes were changed, by a disk or by hand, gives no wrong number, and another run repairs it.
 TEST_F(EnsembleParts, ThatAreNotWhatWasWrittenAreTold) {
   for (const std::string shard : {"0", "1", "2"}) part(orbits, shard + "/3", shard);
   const std::string good = merged({"0", "1", "2"});
@@ -147,13 +146,13 @@ TEST_F(EnsembleParts, ThatAreNotWhatWasWrittenAreTold) {
   EXPECT_EQ(without_cost(merged({"0", "1", "2"})).dump(), without_cost(good).dump());
 }
 
-// A queue tries again what failed, but not what was refused.
+// The exit codes differ, because a queue should retry what failed, but not what was refused.
 TEST(Command, EnsemblesThatFailEndOtherwiseThanThoseThatAreRefused) {
   EXPECT_EQ(Process({"ensemble", "-", "--shard", "0/1", "--output", "/nowhere/part"}, orbits).wait(), 1);
   EXPECT_EQ(Process({"ensemble", "-", "--shard", "2/1", "--output", "/nowhere/part"}, orbits).wait(), 2);
 }
 
-// What is left behind where a machine fails while it writes is no part, and does not pass for one.
+// A file left behind where a machine fails while it writes is not taken for a part.
 TEST_F(EnsembleParts, AreHiddenUntilTheyAreWhole) {
   Json request = Json::parse(orbits);
   request["until"]["t"] = 1e6;
@@ -175,14 +174,14 @@ TEST_F(EnsembleParts, AreHiddenUntilTheyAreWhole) {
       << "nothing is left where it is told";
 }
 
-// A wrong name costs nothing but the time to read what is said.
+// A wrong name in --output destroys no other file.
 TEST_F(EnsembleParts, TakeThePlaceOfNothingElse) {
   const std::string letter = "{\"kind\":\"letter\"}\n";
   std::ofstream(path("letter")) << letter;
   std::filesystem::create_directory(path("folder"));
   std::filesystem::create_symlink(path("nowhere"), path("link"));
   std::ofstream(path("answer")) << "{\"kind\":\"head\"}\n{\"kind\":\"block\"}\n";
-  std::ofstream(path("secret")) << letter;  // which root may read all the same
+  std::ofstream(path("secret")) << letter;  // root can read it all the same
   std::filesystem::permissions(path("secret"), std::filesystem::perms::none);
   for (const char* name : {"letter", "answer", "folder", "link", "secret"}) {
     const auto answer = part(orbits, "0/2", name);

@@ -1,4 +1,4 @@
-// The OpenAPI document: sound in itself, true to the catalogue, and its examples are answered.
+// The OpenAPI document: consistent in itself, in agreement with the catalogue, and with examples that are answered.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -16,12 +16,13 @@
 namespace least::server::test {
 namespace {
 
-// What the schemas of the document say, of JSON Schema's words only those that it uses; another one is an error.
+// Validator checks values against the document's schemas. It knows only those words of JSON Schema that they use;
+// another word is an error.
 class Validator {
  public:
   explicit Validator(const Json& document) : schemas_(document.at("components").at("schemas")) {}
 
-  /// Why the value does not fit; empty where it does.
+  /// fault() returns why the value does not fit; empty where it does.
   std::string fault(const Json& schema, const Json& value, const std::string& at = "") const {
     for (const auto& [word, means] : schema.items()) {
       const std::string why = check(schema, word, means, value, at);
@@ -116,7 +117,7 @@ class OpenApi : public Serving {
   }
 };
 
-// Everything that points somewhere points to something.
+// expect_references_lead() checks that every reference has a target.
 void expect_references_lead(const Json& part, const Json& document) {
   if (!part.is_structured()) return;
   if (part.is_object() && part.contains("$ref")) {
@@ -170,7 +171,7 @@ TEST_F(OpenApi, HoldsEveryEndpointAndNoOther) {
   }
 }
 
-// The rule stands wherever lines are offered, and is that by which the service goes.
+// The rule about slow readers stands wherever lines are offered, with the numbers that the service uses.
 TEST_F(OpenApi, SaysWhatBecomesOfThoseWhoReadLinesSlowly) {
   int offered = 0;
   for (const auto& [path, operations] : document().at("paths").items()) {
@@ -237,7 +238,7 @@ TEST_F(OpenApi, SaysWhatTheCardsSay) {
   EXPECT_GT(compared, 50u);
 }
 
-// The schema and the decoder agree on what is wrong.
+// The schema refuses what the decoder refuses.
 TEST_F(OpenApi, TheSchemaRefusesWhatTheServiceRefuses) {
   const char* const good = R"({"problem":"kepler","scheme":{"id":"leapfrog","step":0.1,"composition":"none"},
     "initial":{"x":1,"t":0},"until":{"steps":5},"record":{"every":1},"columns":["t","x"],"norm":"relative"})";
@@ -265,7 +266,7 @@ TEST_F(OpenApi, TheSchemaRefusesWhatTheServiceRefuses) {
   EXPECT_EQ(Validator(document()).fault(schema("ProblemDocument"), Json::parse(refused.body)), "");
 }
 
-// Texts of constants stand wherever numbers do.
+// Constants as text are allowed wherever numbers are.
 TEST_F(OpenApi, TheSchemaTakesWhatTheServiceTakes) {
   const struct {
     const char *schema, *path, *request;
@@ -297,7 +298,7 @@ TEST_F(OpenApi, TheSchemaTakesWhatTheServiceTakes) {
   EXPECT_EQ(ask(port(), post("/v1/simulate", no_times)).status, 422);
 }
 
-// Also where there is nothing to be told.
+// The schema fits answers without derivatives, too.
 TEST_F(OpenApi, AnswersWithoutDerivativesFitTheirSchema) {
   const Reply reply =
       ask(port(), post("/v1/simulate", R"({"problem":{"id":"custom","variables":["x"],"potential":"-x^4"},
@@ -309,7 +310,7 @@ TEST_F(OpenApi, AnswersWithoutDerivativesFitTheirSchema) {
   EXPECT_EQ(Validator(document()).fault(schema("SimulateAnswer"), made), "");
 }
 
-// Every status that can be brought about stands there, and of those that stand there every one can be.
+// The document lists exactly those statuses that requests can cause.
 TEST(OpenApiStatuses, AreThoseThatTheServiceSends) {
   Settings settings = quiet_settings();
   settings.caps.samples = 1000;

@@ -1,4 +1,4 @@
-// Questions for closed orbits.
+// Requests for closed orbits.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ class AskingForOrbits : public Asking {
   static constexpr double pi = std::numbers::pi;
 
   static Json orbit(const Json& request) { return answer(request, "/v1/periodic"); }
-  /// The multipliers that are not explained.
+  /// others() returns the multipliers after the first `trivial` ones, which time, invariants and symmetries explain.
   static std::vector<std::complex<double>> others(const Json& made, std::size_t trivial) {
     std::vector<std::complex<double>> all;
     const Json& multipliers = made["multipliers"];
@@ -25,7 +25,7 @@ class AskingForOrbits : public Asking {
     return all;
   }
   static std::vector<std::complex<double>> others(const Json& made) { return others(made, made["trivial"]); }
-  /// Where a run by series from a start of an answer is after a time, in the order of its variables.
+  /// after() returns the final state of a run by Taylor series from the start in an answer until the time `until`.
   static Json after(const Json& problem, const Json& initial, double until) {
     Json start = initial;
     for (auto it = start.begin(); it != start.end();) it = it->is_null() ? start.erase(it) : std::next(it);
@@ -46,7 +46,7 @@ class AskingForOrbits : public Asking {
   }
 
   static Json pendulum() { return custom(R"~({"variables": ["a"], "lagrangian": "va^2/2 + cos(a)"})~"); }
-  /// Three bodies of which one is nothing, turning with the others.
+  /// restricted() is the restricted three-body problem in the rotating frame, in the plane ("xy") or in space.
   static Json restricted(const char* variables, double mu) {
     Json problem = custom(R"~({"definitions": {"r1": "sqrt((x+mu)^2+y^2+z^2)", "r2": "sqrt((x-1+mu)^2+y^2+z^2)"},
         "hamiltonian": "(px^2+py^2+pz^2)/2 + y*px - x*py - (1-mu)/r1 - mu/r2"})~");

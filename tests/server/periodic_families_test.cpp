@@ -1,4 +1,4 @@
-// Families of closed orbits over HTTP, and where they bend and branch.
+// Families of closed orbits over HTTP, with their folds and branches.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST_F(PeriodicFamilies, OfAPendulumHasThePeriodsOfEllipticIntegrals) {
   }
 }
 
-// Beyond the energy 1 the pendulum turns over, and no orbit of the family is there.
+// Beyond the energy 1 the pendulum rotates, and the family has no orbit there.
 TEST_F(PeriodicFamilies, EndBeforeASingularity) {
   const Json request{{"problem", pendulum()},
                      {"initial", {{"a", .5}}},
@@ -61,7 +61,7 @@ TEST_F(PeriodicFamilies, EndBeforeASingularity) {
   }
 }
 
-// In the double well of Duffing, driven: up to f = .2656 every period is like the last, from there on every second one.
+// Duffing's driven double well: up to f = .2656 every period repeats the last, from there on every second one does.
 TEST_F(PeriodicFamilies, OfDuffingDoublesItsPeriodWhereRunsDo) {
   Json problem = custom(R"~({"variables": ["x", "v"], "parameters": {"f": 0.2},
       "equations": {"x": "v", "v": "x - x^3 - 0.3*v + f*cos(1.2*t)"}})~");
@@ -89,7 +89,7 @@ TEST_F(PeriodicFamilies, OfDuffingDoublesItsPeriodWhereRunsDo) {
   }
 }
 
-// At its folds a family turns back: the answer to one force may be three orbits.
+// At a fold a family turns back: there may be three orbits for one force.
 TEST_F(PeriodicFamilies, GoAroundFolds) {
   const Json problem = custom(R"~({"variables": ["x", "v"], "parameters": {"f": 0.2},
       "equations": {"x": "v", "v": "x - x^3 - 0.2*v + f*cos(t)"}})~");
@@ -109,8 +109,8 @@ TEST_F(PeriodicFamilies, GoAroundFolds) {
   EXPECT_NEAR(folds[1], .12826935, 1e-7);
 }
 
-// A circle that all runs come to, and across it z' = c z - z^3: its multiplier e^(2 pi c) goes through 1 where the
-// circle parts in three.
+// An attracting circle with z' = c z - z^3 across it: its multiplier e^(2 pi c) passes through 1 where the circle
+// splits into three.
 TEST_F(PeriodicFamilies, PartWhereAMultiplierGoesThroughOne) {
   const Json problem = custom(R"~({"variables": ["x", "y", "z"], "parameters": {"c": -0.11},
       "equations": {"x": "x*(1-x^2-y^2) - y", "y": "y*(1-x^2-y^2) + x", "z": "c*z - z^3"}})~");
@@ -126,14 +126,14 @@ TEST_F(PeriodicFamilies, PartWhereAMultiplierGoesThroughOne) {
     const double c = member["value"];
     double nearest = 1;
     for (const auto& one : others(member, 1)) nearest = std::min(nearest, std::abs(one - std::exp(2 * pi * c)));
-    if (&member == found) continue;  // there it is one of those that are explained
+    if (&member == found) continue;  // there the multiplier counts as trivial
     EXPECT_LT(nearest, 1e-9) << c;
     EXPECT_TRUE(member["bifurcation"].is_null()) << c;
     EXPECT_EQ(member["stable"], c < 0) << c;
   }
 }
 
-// The same circle, and across it a pair that turns by w as it grows by c: its multipliers e^(2 pi (c +- i w)) leave the
+// The same circle with a pair across it that rotates by w and grows by c: its multipliers e^(2 pi (c +- i w)) leave the
 // unit circle where the orbit becomes a torus.
 TEST_F(PeriodicFamilies, BecomeATorusWhereAPairLeavesTheUnitCircle) {
   const Json problem = custom(R"~({"variables": ["x", "y", "u", "v"], "parameters": {"c": -0.11, "w": 0.3},
@@ -158,9 +158,9 @@ TEST_F(PeriodicFamilies, BecomeATorusWhereAPairLeavesTheUnitCircle) {
   }
 }
 
-// Of conservative scenes pairs of multipliers meet on the unit circle before they leave it: an oscillation beside a
-// point that turns, whose frequencies are w +- sqrt(k). Meyer, Hall, Offin, Introduction to Hamiltonian Dynamical
-// Systems, 2009, chapter 11.
+// In conservative scenes pairs of multipliers meet on the unit circle before they leave it: an oscillation beside a
+// rotating point whose frequencies are w +- sqrt(k). Meyer, Hall, Offin, Introduction to Hamiltonian Dynamical Systems,
+// 2009, chapter 11.
 TEST_F(PeriodicFamilies, BecomeATorusWherePairsMeetOnTheUnitCircle) {
   const Json problem = custom(R"~({"variables": ["x", "u", "v"], "parameters": {"k": 0.011, "w": 0.3},
       "hamiltonian": "(px^2+x^2)/2 + (pu^2+pv^2)/2 + w*(u*pv-v*pu) + k*(u^2+v^2)/2"})~");
@@ -180,7 +180,7 @@ TEST_F(PeriodicFamilies, BecomeATorusWherePairsMeetOnTheUnitCircle) {
     }
 }
 
-// The period of a drive goes with its frequency.
+// The period follows the frequency of the drive.
 TEST_F(PeriodicFamilies, ByTheFrequencyOfADriveFollowItsPeriod) {
   const Json problem = custom(R"~({"variables": ["x", "v"], "parameters": {"w": 0.6},
       "equations": {"x": "v", "v": "-x - 0.2*v + cos(w*t)"}})~");
@@ -190,14 +190,14 @@ TEST_F(PeriodicFamilies, ByTheFrequencyOfADriveFollowItsPeriod) {
   for (const Json& member : made["family"]) {
     const double w = member["value"], stiff = 1 - w * w, size = stiff * stiff + .04 * w * w;
     EXPECT_NEAR(member["period"], 2 * pi / w, 1e-13);
-    EXPECT_NEAR(member["initial"]["x"], stiff / size, 1e-12);  // the answer of a linear oscillator, at t = 0
+    EXPECT_NEAR(member["initial"]["x"], stiff / size, 1e-12);  // the response of a linear oscillator, at t = 0
     EXPECT_NEAR(member["initial"]["v"], .2 * w * w / size, 1e-12);
     EXPECT_NEAR(member["period_slope"], -2 * pi / (w * w), 1e-12);
   }
 }
 
-// Of the loops of Hénon and Heiles, which turn unstable at .892 of the energy of escape, 1/6.
-// Brack, Foundations of Physics 31, 209 (2001): .8922.
+// The loop orbits of Hénon and Heiles become unstable at .892 of the escape energy 1/6. Brack, Foundations of Physics
+// 31, 209 (2001): .8922.
 TEST_F(PeriodicFamilies, OfHenonAndHeilesLosesItsStabilityWhereItIsPublished) {
   const Json problem = custom(R"~({"variables": ["x", "y"],
       "lagrangian": "(vx^2+vy^2)/2 - (x^2+y^2)/2 - x^2*y + y^3/3"})~");
@@ -219,7 +219,7 @@ TEST_F(PeriodicFamilies, OfHenonAndHeilesLosesItsStabilityWhereItIsPublished) {
   }
 }
 
-// Of conservative scenes, where an orbit is one of many, the period stays where a parameter moves.
+// In a conservative scene an orbit is one of a family: when a parameter changes, the period is kept.
 TEST_F(PeriodicFamilies, ByAParameterOfAConservativeSceneKeepThePeriod) {
   const Json problem = custom(R"~({"variables": ["a"], "parameters": {"g": 1}, "lagrangian": "va^2/2 + g*cos(a)"})~");
   const Json made = orbit({{"problem", problem},
@@ -235,8 +235,9 @@ TEST_F(PeriodicFamilies, ByAParameterOfAConservativeSceneKeepThePeriod) {
   }
 }
 
-// Three bodies on an eight of which one grows heavier: at 1.0000403006 the family turns back. Near it is another one,
-// which has a saddle where this one has a centre: no long step may lead there, and be told for a bifurcation.
+// The figure eight of three bodies while one mass grows: at 1.0000403006 the family turns back. Near it is another
+// family, with a saddle where this one has a centre: a long step must not jump there, which would look like a
+// bifurcation.
 TEST_F(PeriodicFamilies, StayOnTheirCurve) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "takes minutes in such a build";
@@ -260,8 +261,8 @@ TEST_F(PeriodicFamilies, StayOnTheirCurve) {
   }
 }
 
-// Of an oscillator, whose period is the same for all amplitudes, no other stiffness and no other mass has an orbit of
-// the same period: it is the period that moves, and the amplitude that stays.
+// The period of an oscillator is the same for all amplitudes, so that no other stiffness or mass has an orbit of the
+// same period: the period changes, and the amplitude is kept.
 TEST_F(PeriodicFamilies, OfAnOscillatorMoveItsPeriod) {
   const Json typed = custom(R"~({"variables": ["x"], "parameters": {"stiffness": 1, "mass": 1},
       "hamiltonian": "px^2/(2*mass) + stiffness*x^2/2"})~");
@@ -286,7 +287,7 @@ TEST_F(PeriodicFamilies, OfAnOscillatorMoveItsPeriod) {
     }
 }
 
-// Where the start is at right angles to the force, x moves by the symmetries of the orbit alone.
+// Where the start is at right angles to the force, only the symmetries of the orbit change x.
 TEST_F(PeriodicFamilies, GoAlongSymmetriesWhereNothingElseMovesAStart) {
   const Json made = orbit({{"problem", "kepler"},
                            {"initial", {{"x", 0}, {"y", 1}, {"px", 1.2}, {"py", 0}}},
@@ -314,7 +315,7 @@ TEST_F(PeriodicFamilies, OfOrbitsThatAreAloneSaySo) {
   EXPECT_NE(held["family_end"].get<std::string>().find("fewer variables in `fixed`"), std::string::npos) << held;
 }
 
-// The lines are the members of the whole answer, which comes with the last.
+// The lines are the members of the whole answer, which comes with the last line.
 TEST_F(PeriodicFamilies, LeaveInLines) {
   const Json request{{"problem", "van_der_pol"},
                      {"period", 6.6},

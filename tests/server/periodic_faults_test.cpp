@@ -1,4 +1,4 @@
-// Closed orbits that there are not, or that nobody can ask for.
+// Closed orbits that do not exist, and requests that are refused.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -118,8 +118,8 @@ TEST_F(PeriodicFaults, LimitsHold) {
   }
 }
 
-// Each pair costs many operations, and derivatives of all of them more than any tape takes.
-// Their derivatives, written out, would be longer than a scene may be.
+// The derivatives of such long equations, written out, would exceed the limit of a tape; the answer says only that the
+// guess is at an equilibrium.
 TEST_F(PeriodicFaults, LongEquationsAreTold) {
   const Json problem = custom(R"~({"variables": ["x[32]"], "potential":
       "sum(i=1..32, j=i+1..32, (1+sin(x[i]-x[j])^2)*exp(-(x[i]-x[j])^2)*sqrt(2+cos(x[i]*x[j])))"})~");

@@ -1,4 +1,4 @@
-// Closed orbits over HTTP: their periods and multipliers against what is published.
+// Closed orbits over HTTP: their periods and multipliers against published values.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -99,8 +99,8 @@ TEST_F(Periodic, OfTheFigureEightKnowsWhatIsKeptAndItsSymmetries) {
   EXPECT_NEAR(angles[3], .298092529005, 1e-8);
 }
 
-// The energy of a mode that rests is kept, and its gradient vanishes along the orbit: no multiplier follows from it.
-// Those of the mode are e^{±iωT}.
+// The energy of a mode at rest is conserved, but its gradient vanishes along the orbit, so that no unit multiplier
+// follows from it. The mode's multipliers are e^{±iωT}.
 TEST_F(Periodic, OfAModeThatRestsHasTheMultipliersOfTheMode) {
   struct Scene {
     const char* potential;
@@ -136,7 +136,7 @@ TEST_F(Periodic, OfKeplerIsAnEllipseOfAnyGuess) {
   EXPECT_EQ(made["stable"], true);
 }
 
-// Once around and 2π farther; T = 2k K(k), k² = 2/(1 + E), of a pendulum that turns over.
+// A rotating pendulum closes after one turn, 2π farther; T = 2k K(k), k² = 2/(1 + E).
 TEST_F(Periodic, OfAPendulumThatTurnsOverClosesAWholeTurnLater) {
   const Json made =
       orbit({{"problem", pendulum()}, {"initial", {{"a", 0}, {"va", 3}}}, {"period", 2.5}, {"fixed", {"a", "pa"}}});
@@ -146,7 +146,7 @@ TEST_F(Periodic, OfAPendulumThatTurnsOverClosesAWholeTurnLater) {
   EXPECT_EQ(made["initial"]["pa"], 3);
 }
 
-// Of two pendulums, from a guess out of phase by a tenth, however near the equilibrium, which is closed after any time.
+// Two pendulums, from a guess out of phase by a tenth, near the equilibrium, which is closed for every period.
 TEST_F(Periodic, OfASmallSwingDoesNotComeToRest) {
   const Json problem = custom(R"~({"variables": ["a", "b"],
       "lagrangian": "va^2 + vb^2/2 + va*vb*cos(a-b) + 2*cos(a) + cos(b)"})~");
@@ -156,8 +156,8 @@ TEST_F(Periodic, OfASmallSwingDoesNotComeToRest) {
   EXPECT_GT(made["invariant"]["energy"].get<double>(), -3 + 1e-5);
 }
 
-// (q, p) of contact scenes: pairs have the product e^{−∫α dt}, and of what is nonlinear in s e^{−∫∂H/∂s dt}, along the
-// contact hyperplanes.
+// Multipliers of (q, p) in contact scenes: pairs have the product e^{−∫α dt}, and where H is not linear in s e^{−∫∂H/∂s
+// dt}, along the contact hyperplanes.
 TEST_F(Periodic, OfDrivenContactScenesHasPairs) {
   const Json constant = custom(R"~({"variables": ["x"], "potential": "-x^2/2 + x^4/4 - 0.2*x*cos(1.2*t)",
       "damping": 0.3})~");
@@ -185,8 +185,8 @@ TEST_F(Periodic, OfDrivenContactScenesHasPairs) {
   }
 }
 
-// λ = e^{(−5 ± √24)·2π}: of .53 and 2e-27 rounding hides the second, which the product of the pair settles. Of two such
-// pairs it hides two, and nothing does.
+// λ = e^{(−5 ± √24)·2π}, .53 and 2e-27: rounding hides the second one, which follows from the product of the pair. With
+// two such pairs rounding hides two, and the product does not determine them.
 TEST_F(Periodic, OfStrongDampingKnowsWhatItCannotTell) {
   const Json one = custom(R"~({"variables":["x"],"potential":"x^2/2-0.3*x*cos(t)","damping":"10"})~");
   const Json two = custom(R"~({"variables":["x","y"],"potential":"x^2/2+0.9*y^2/2-0.3*x*cos(t)-0.2*y*cos(t)",
@@ -205,8 +205,8 @@ TEST_F(Periodic, OfStrongDampingKnowsWhatItCannotTell) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(both["multipliers"][i]["kind"].is_null(), i > 1) << both;
 }
 
-// In the plane a cycle's multiplier is e^{∮div ẋ dt}, above 0: what of the derivative over a period is rounding has
-// neither a sign, nor a direction that a manifold could have.
+// In the plane the multiplier of a cycle is e^{∮div ẋ dt} > 0. Where the computed derivative over a period is only
+// rounding, it has neither a meaningful sign nor a direction for a manifold.
 TEST_F(Periodic, OfStronglyAttractingCyclesTheProductTells) {
   const std::pair<double, double> known[] = {{3, 6.98947568e-16}, {5, 7.73855e-38}};  // by quadrature of 1 − x²
   for (const auto& [epsilon, truth] : known) {
@@ -230,7 +230,7 @@ TEST_F(Periodic, OfStronglyAttractingCyclesTheProductTells) {
   EXPECT_TRUE(stiff["manifolds"]["stable"]["trajectories"].empty());
 }
 
-// A damping that is 0 is none: the scenes are the same as those without one.
+// A damping of 0 is none: the scenes equal those without damping.
 TEST_F(Periodic, OfContactScenesWithoutDampingAreThoseOfMechanics) {
   for (const char* needed : {"damped_pendulum", "pendulum", "perturbed_kepler"}) runs::problem_called(needed);
   const Json start{{"q", 1}, {"p", 0}};
@@ -246,8 +246,8 @@ TEST_F(Periodic, OfContactScenesWithoutDampingAreThoseOfMechanics) {
   EXPECT_EQ(damped["multipliers"], plain["multipliers"]);
 }
 
-// Angular momentum decays with the damping, and the turns that it generates are a symmetry all the same; where the
-// damping is 0 in the mean it is kept over a period, and makes another unit multiplier.
+// Angular momentum decays with the damping, but rotations are a symmetry all the same; where the damping averages to 0
+// angular momentum is conserved over a period, and causes another unit multiplier.
 TEST_F(Periodic, OfDampedScenesKnowsTheirTurns) {
   runs::problem_called("perturbed_kepler");
   const auto about_a_center = [](const char* damping) {
@@ -267,7 +267,7 @@ TEST_F(Periodic, OfDampedScenesKnowsTheirTurns) {
     EXPECT_EQ(made["pair_product"], 1);
     EXPECT_LT(made["pairing_defect"], 1e-12);
   }
-  // A drive that turns with the orbit replaces what the damping takes, and keeps no axis.
+  // A drive that rotates with the orbit balances the damping, but breaks the symmetry.
   const Json driven = custom(R"~({"variables": ["x", "y"],
       "potential": "(x^2+y^2)/2 - 0.2*(x*cos(1.5*t)+y*sin(1.5*t))", "damping": "0.1"})~");
   const Json made = orbit({{"problem", driven}, {"initial", {{"x", -.1}}}, {"period", "2*pi/1.5"}});
@@ -275,7 +275,7 @@ TEST_F(Periodic, OfDampedScenesKnowsTheirTurns) {
   EXPECT_EQ(made["trivial"], 0) << made;
 }
 
-// Forces beside the mechanics keep no areas: nothing is said of pairs.
+// Forces beside the mechanics do not preserve areas: the answer says nothing of pairs.
 TEST_F(Periodic, OfForcedScenesHasNoPairs) {
   const Json problem =
       custom(R"~({"variables": ["x"], "lagrangian": "vx^2/2 - x^2/2", "forces": {"x": "(1 - x^2)*vx"}})~");
@@ -286,7 +286,7 @@ TEST_F(Periodic, OfForcedScenesHasNoPairs) {
   EXPECT_EQ(made["trivial"], 1);
 }
 
-// An orbit about the first point of Lagrange that is closed and cannot stay: neighbours part at the rate it says.
+// An unstable closed orbit about the first Lagrange point: neighbours separate at the rate of its multiplier.
 TEST_F(Periodic, ManifoldsPartAtTheRateOfTheirMultipliers) {
   const Json problem = restricted("xyz", .012150585609624);
   const Json made = orbit({{"problem", problem},
@@ -306,7 +306,7 @@ TEST_F(Periodic, ManifoldsPartAtTheRateOfTheirMultipliers) {
     ASSERT_EQ(manifold["trajectories"].size(), 4U) << manifold["reason"];
     const bool stable = which == std::string("stable");
     EXPECT_NEAR(manifold["multiplier"].get<double>() / (stable ? 1 / fast : fast), 1, 1e-5);
-    for (std::size_t k = 0; k < 2; ++k) {  // the first place, both sides
+    for (std::size_t k = 0; k < 2; ++k) {  // the first point, both sides
       const Json& curve = manifold["trajectories"][k];
       double first = 0, last = 0;
       for (const auto& row : made["rows"]) {
@@ -321,7 +321,7 @@ TEST_F(Periodic, ManifoldsPartAtTheRateOfTheirMultipliers) {
   }
 }
 
-// The start of an answer is a closed orbit of the next request, and of any run.
+// The start in an answer is a closed orbit in the next request, and in any run.
 TEST_F(Periodic, AnswersAreClosedWhenTheyAreSentBack) {
   Json request{{"problem", pendulum()}, {"initial", {{"a", 1}}}, {"period", 6.5}};
   const Json made = orbit(request);

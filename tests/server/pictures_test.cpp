@@ -1,4 +1,4 @@
-// What a scene as text says of its pictures: views and bodies are checked, echoed, and change nothing that moves.
+// Pictures of a scene as text: views and bodies are checked and echoed, and do not change the motion.
 #include <gtest/gtest.h>
 
 #include "server/decode/json_parse.hpp"
@@ -41,7 +41,7 @@ TEST_F(Pictures, StandInTheCardAndInTheEchoWithTheirDefaults) {
   EXPECT_EQ(run_of(port(), echo)["problem"], echo) << "sent back, it is the same";
 }
 
-// As the contract writes them: one body, linked to body 0, itself, and to the pivot.
+// The example of the contract: one body, linked to body 0, which is itself, and to the pivot.
 TEST_F(Pictures, MayLinkABodyToItself) {
   Json problem = pendulum();
   problem["bodies"] = Json::parse(R"~([{"at":["theta","t"],"linked":[0,"pivot"],"kind":"bob"}])~");

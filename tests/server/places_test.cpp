@@ -1,4 +1,4 @@
-// Places that an ensemble takes besides its own: all that are free, until somebody else needs them.
+// Places that an ensemble takes besides its own: all that are free, until another request needs them.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -47,7 +47,8 @@ TEST(Places, BesidesAreAllForOneAndHalfAmongSeveral) {
   EXPECT_EQ(all_besides(admission, "a").size(), 2u);
 }
 
-/// How long others took until now does not turn away who needs one of these places: it is free at the next look.
+/// A request is not refused for the time that others took until now where it needs one of these places, which is soon
+/// free.
 TEST(Places, BesidesAreAsGoodAsFreeForOthers) {
   Admission admission(2, 0);
   {
@@ -91,7 +92,7 @@ TEST(Places, AnEnsembleComputesOnAllCoresAndMakesRoomForOthers) {
       "limits":{"seconds":30},"members":{"count":50000000,"seed":1,"vary":{"/initial/q":{"uniform":[0,1]}}}})",
                      "Accept: " + accept + "\r\n"));
     await_computing(service.port(), 3);
-    // Until its next look it has all of them: who comes waits, and is let in.
+    // The ensemble has all places until its next look: a request waits, and is let in.
     for (int i = 0; i < 3; ++i) {
       const auto request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})");
       EXPECT_EQ(ask(service.port(), request).status, 200);
@@ -100,7 +101,7 @@ TEST(Places, AnEnsembleComputesOnAllCoresAndMakesRoomForOthers) {
   };
   ensemble("application/json");
   await_computing(service.port(), 0);
-  ensemble("application/x-ndjson");  // of which nobody reads a line
+  ensemble("application/x-ndjson");  // nobody reads a line of it
   await_computing(service.port(), 0);
 }
 

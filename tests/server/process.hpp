@@ -20,7 +20,8 @@ namespace least::server::test {
 // A child process with its standard streams.
 class Process {
  public:
-  /// `closed`: a descriptor that it begins without; none where negative. `descriptors`: how many it may have.
+  /// `closed` is a descriptor that the process begins without; none where negative. `descriptors` limits how many it
+  /// may open.
   explicit Process(std::vector<std::string> arguments, std::string_view input = "",
                    std::vector<std::string> environment = {}, int closed = -1, const rlimit* descriptors = nullptr) {
     std::array<int, 2> in{}, out{}, err{};
@@ -37,7 +38,7 @@ class Process {
       ::dup2(out[1], 1);
       ::dup2(err[1], 2);
       if (closed >= 0) ::close(closed);
-      ::signal(SIGHUP, SIG_DFL);  // whatever the tests themselves run under
+      ::signal(SIGHUP, SIG_DFL);  // also where the tests themselves ignore it
       if (descriptors) ::setrlimit(RLIMIT_NOFILE, descriptors);
       ::execve(argv[0], argv.data(), envp.data());
       ::_exit(127);
@@ -68,7 +69,8 @@ class Process {
   }
   std::string output() const { return all(out_); }
   std::string errors() const { return all(err_); }
-  /// What it says on its standard error up to the line that holds `part`; after ten seconds of silence what there is.
+  /// errors_until() returns the standard error up to the line that contains `part`; after ten seconds of silence what
+  /// there is.
   std::string errors_until(std::string_view part) const {
     std::string text;
     pollfd ready{err_, POLLIN, 0};
@@ -79,18 +81,18 @@ class Process {
     return text;
   }
   int id() const { return pid_; }
-  /// Of the processor, by all of its threads so far.
+  /// processor_seconds() returns the processor time of all threads of the process so far.
   double processor_seconds() const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/stat");
     std::string words;
-    std::getline(file, words, ')');  // its name may have spaces
+    std::getline(file, words, ')');  // the name may have spaces
     for (int field = 3; field < 14; ++field) file >> words;
     double user = 0, system = 0;
     file >> user >> system;
     return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
   }
   void signal(int number) const { ::kill(pid_, number); }
-  /// The exit code; 128 + the signal where one ended it.
+  /// wait() returns the exit code; 128 + the signal where a signal ended the process.
   int wait() {
     int status = 0;
     ::waitpid(pid_, &status, 0);
@@ -109,7 +111,7 @@ class Process {
   int out_ = -1, err_ = -1;
 };
 
-/// That a service says it listens on.
+/// port_in() returns the port that a service says it listens on.
 inline int port_in(const std::string& line) { return std::stoi(line.substr(line.rfind(':') + 1)); }
 
 }  // namespace least::server::test

@@ -180,7 +180,7 @@ TEST(Command, RunReadsAPipeWithAName) {
   std::filesystem::remove(name);
 }
 
-// An answer that is written while it leaves is whole here, too.
+// An answer that is written while it is computed is whole here, too.
 TEST(Command, RunPrintsLargeAnswers) {
   Process run({"run", "-"}, R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":50000},"record":{"every":1}})");
   const Json answer = Json::parse(run.output());
@@ -211,7 +211,7 @@ TEST(Command, NumbersThatAreNoneAreRefused) {
   }
 }
 
-// Whoever starts a service may not read its log: it goes on, and ends.
+// The log of a service may remain unread: the service goes on, and ends properly.
 TEST(Command, ALogThatNobodyReadsHoldsNothingUp) {
   Process serve({"serve", "--port", "0"});
   const int port = port_in(serve.line());
@@ -279,7 +279,7 @@ TEST(Command, TheLogSaysWhatHappened) {
   }
 }
 
-// Half a request, and then nothing more: the end waits for it no longer than a second or so.
+// A client with half a request delays the end by no more than a second or so.
 TEST(Command, HalfOpenClientsDoNotCostTheGrace) {
   Process serve({"serve", "--port", "0", "--grace", "10"});
   const int port = port_in(serve.line());
@@ -293,7 +293,7 @@ TEST(Command, HalfOpenClientsDoNotCostTheGrace) {
   EXPECT_LT(std::chrono::steady_clock::now() - from, 5s);
 }
 
-// However many clients there are, and whatever they do.
+// The number does not depend on the clients and what they do.
 TEST(Command, TheNumberOfThreadsIsThatOfTheCoresAndFour) {
   for (const unsigned places : {0u, 3u}) {
     Process serve({"serve", "--port", "0", "--threads", std::to_string(places)});
@@ -322,7 +322,7 @@ TEST(Command, TheNumberOfThreadsIsThatOfTheCoresAndFour) {
   }
 }
 
-// Where descriptors run out, who idles makes room; where nobody does, newcomers wait, and are served later.
+// Where descriptors run out idle connections make room; where none is idle, new ones wait, and are served later.
 TEST(Command, SurvivesWithoutFreeDescriptors) {
   const rlimit few{24, 24};
   Process serve({"serve", "--port", "0"}, "", {}, -1, &few);
@@ -343,7 +343,7 @@ TEST(Command, SurvivesWithoutFreeDescriptors) {
   EXPECT_EQ(serve.wait(), 0);
 }
 
-// A shell gives few, and allows more.
+// A shell gives few descriptors, and allows more.
 TEST(Command, TakesTheDescriptorsThatItsConnectionsNeed) {
   const rlimit few{24, 4096};
   Process serve({"serve", "--port", "0", "--connections", "200"}, "", {}, -1, &few);
@@ -361,7 +361,7 @@ TEST(Command, TakesTheDescriptorsThatItsConnectionsNeed) {
   EXPECT_EQ(serve.wait(), 0);
 }
 
-// How long it took is no more than its client saw, and who goes once the answer is there aborted nothing.
+// The logged time is no longer than the client saw, and a client that leaves after its answer aborted nothing.
 TEST(Command, TheLogSaysWhenAnAnswerWasThere) {
   Process serve({"serve", "--port", "0"});
   const int port = port_in(serve.line());

@@ -1,4 +1,4 @@
-// Every request that the README shows is answered, and the first gives the answer that stands under it.
+// Every request that the README shows is answered, and the first one with the answer shown under it.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -22,7 +22,7 @@ std::string readme() {
 struct Shown {
   std::string path, body;
 };
-/// What its lines of curl send.
+/// requests() returns what the README's lines of curl send.
 std::vector<Shown> requests(const std::string& text) {
   static const std::regex curl(R"(\ncurl http://127\.0\.0\.1:8080(/v1/\S+) -d '([^']*)')");
   std::vector<Shown> all;
@@ -61,12 +61,12 @@ TEST_F(Readme, ShowsTheAnswerToItsRequest) {
   EXPECT_TRUE(got.contains("cost") && expected.contains("cost"));
   got.erase("cost");
   expected.erase("cost");
-  got.erase("version");  // the project's, said in CMakeLists.txt alone
+  got.erase("version");  // the project's, which only CMakeLists.txt has
   expected.erase("version");
   EXPECT_EQ(got, expected);
 }
 
-/// A complete request by itself: the members that the README names.
+/// The members of an answer that the README names make a complete request.
 TEST_F(Readme, TheEchoIsARequest) {
   const auto all = requests(readme());
   ASSERT_FALSE(all.empty());

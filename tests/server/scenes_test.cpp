@@ -1,4 +1,4 @@
-// The problems of the catalogue that are files of core/scenes.
+// The problems of the catalogue that are files in core/scenes.
 #include <cmath>
 #include <complex>
 #include <fstream>
@@ -29,13 +29,13 @@ class Scenes : public Asking {
     if (!preset.is_null()) problem["preset"] = preset["name"];
     return problem;
   }
-  /// Of the preset that a problem names, or of the card.
+  /// until_of() returns the end of the preset that a problem names, or that of the card.
   static Json until_of(const Json& card, const Json& problem) {
     for (const Json& preset : card["presets"])
       if (preset["name"] == problem.value("preset", "")) return preset["until"];
     return card["until"];
   }
-  /// Without a preset, and with each.
+  /// problems_of() returns the problem without a preset, and with each of its presets.
   static std::vector<Json> problems_of(const Json& card) {
     std::vector<Json> all{named(card["id"])};
     for (const Json& preset : card["presets"]) all.push_back(named(card["id"], preset));
@@ -99,7 +99,7 @@ TEST_F(Scenes, RunByEveryScheme) {
   for (const Json& card : cards())
     for (const Json& scheme : card["schemes"]) {
       if (scheme == "auto") continue;
-      // Its steps follow the change of the force, and a constant force has none.
+      // The steps follow the change of the force, and a constant force has none.
       if (scheme == "adaptive_verlet" && card["id"] == "bouncing_ball") continue;
       const Json run = answer({{"problem", card["id"]}, {"scheme", scheme}, {"until", {{"steps", 20}}}});
       EXPECT_EQ(run["status"], "completed") << card["id"] << ' ' << scheme << run["stop"];
@@ -124,8 +124,8 @@ TEST_F(Scenes, ClosedOrbitsClose) {
   }
 }
 
-// z = x + iy with z″ = −2iΩ′z′ − (g/l) z, Ω′ = Ω sin φ: two circular motions of w² = g/l + Ω′² in a frame that turns
-// back.
+// z = x + iy with z″ = −2iΩ′z′ − (g/l) z, Ω′ = Ω sin φ: two circular motions with w² = g/l + Ω′² in a frame that
+// rotates backward.
 TEST_F(Scenes, TurnThePlaneOfFoucaultsPendulum) {
   NEEDS_SCENE("foucault");
   for (const char* preset : {"", "paris", "equator"}) {
@@ -145,7 +145,7 @@ TEST_F(Scenes, TurnThePlaneOfFoucaultsPendulum) {
   }
 }
 
-// Where the friction is weak, cycles are circles about r with a/2 + 3 b r²/8 + 5 c r⁴/16 = 0: 1, which repels, and 2.
+// For weak friction cycles are circles with a/2 + 3 b r²/8 + 5 c r⁴/16 = 0: r = 1, which repels, and r = 2.
 TEST_F(Scenes, SwingLienardsOscillatorOntoItsOuterCycle) {
   NEEDS_SCENE("lienard");
   const auto radius_from = [](double x) {
@@ -169,7 +169,7 @@ TEST_F(Scenes, EchoARequestThatGivesTheSameRun) {
   }
 }
 
-// Who wants to change more of a scene than its parameters begins with the text that its card holds.
+// A user who wants to change more than parameters begins with the text in the card.
 TEST_F(Scenes, SayTheTextThatTheyAre) {
   for (const Json& card : cards()) {
     const Json text = card["text"], scheme = card["schemes"].front();
@@ -244,7 +244,7 @@ TEST_F(Scenes, BringTheirEvents) {
             "/problem");
 }
 
-// As many as there is room for, with what the scene brings and the plane of a section.
+// The limit of events includes those of the scene and the plane of a section.
 TEST_F(Scenes, BringEventsThatCount) {
   NEEDS_SCENE("bouncing_ball");
   Json request{{"problem", "bouncing_ball"},
@@ -286,7 +286,7 @@ TEST_F(Scenes, ShowSumsAsSums) {
     const Json card = answer({{"problem", problem}}, "/v1/problems");
     return card["formula"].get<std::string>();
   };
-  // A sum that is a factor on the left ends where its bracket does; on the right it goes on.
+  // A sum as a left factor needs brackets; as a right factor it does not.
   EXPECT_NE(formula_of("sum(i=1..3, x[i]^2)*k").find("<mo>(</mo><mrow><munderover>"), std::string::npos);
   EXPECT_EQ(formula_of("k*sum(i=1..3, x[i]^2)").find("<mo>(</mo>"), std::string::npos);
   EXPECT_NE(formula_of("sum(i=1..3, x[i]^2 + k)").find("<mo>(</mo>"), std::string::npos);
@@ -295,7 +295,7 @@ TEST_F(Scenes, ShowSumsAsSums) {
             std::string::npos);
 }
 
-// What is wrong with a file is said with its name and the place in it.
+// Faults of a file are reported with its name and the place in it.
 TEST(SceneFiles, SayWhatIsWrong) {
   const auto fault = [](const std::string& body) -> std::string {
     try {
@@ -334,7 +334,7 @@ TEST(SceneFiles, OfTheReadmeIsAProblem) {
   EXPECT_GE(card.schemes.size(), 10U);
 }
 
-// Of texts that the request has not said it is told which of its numbers is at fault.
+// Where a text is not from the request, the fault names the number of the request that causes it.
 TEST_F(Scenes, TellFaultsAtWhatTheRequestSays) {
   const struct {
     const char *id, *numbers, *initial, *pointer, *says;
@@ -360,7 +360,7 @@ TEST_F(Scenes, TellFaultsAtWhatTheRequestSays) {
   }
 }
 
-// The card of a problem that moves by events that act has nothing that is refused beside them.
+// The card of a problem with events that act offers nothing that is refused beside them.
 TEST_F(Scenes, ThatMoveByActsStandWithWhatKnowsThem) {
   NEEDS_SCENE("bouncing_ball");
   const Json card = card_of("bouncing_ball");

@@ -32,7 +32,8 @@ TEST_F(SchemeSensitivities, OfALeapfrogStepAreThoseOfItsFormula) {
   EXPECT_LT(found["uncertainty"], 1e-10);
 }
 
-// Every problem of the catalogue by every scheme of equal steps: what runs of the scheme say, and its structure.
+// Every problem of the catalogue by every scheme of equal steps: derivatives against runs of the scheme, and its
+// structure.
 TEST_F(SchemeSensitivities, OfEveryPairAreDifferencesOfItsRuns) {
   std::size_t pairs = 0;
   std::set<std::string> without;
@@ -126,7 +127,7 @@ TEST_F(SchemeSensitivities, OfScenesAsTextOfEveryForm) {
   }
 }
 
-// Of schemes whose steps are made of what is found in a scene: by its start.
+// Schemes whose steps are made of what they find in a text: derivatives by the start.
 TEST_F(SchemeSensitivities, OfSchemesThatAreFoundInTexts) {
   const struct {
     const char *scene, *scheme;
@@ -160,7 +161,7 @@ TEST_F(SchemeSensitivities, OfSchemesThatAreFoundInTexts) {
   }
 }
 
-// What the scheme's map depends on is not what the motion does, but in the limit of short steps.
+// Derivatives of the scheme's map differ from those of the motion, and agree in the limit of short steps.
 TEST_F(SchemeSensitivities, BecomeThoseOfTheMotion) {
   Json request{{"problem", "kepler"},
                {"initial", {{"x", 1}, {"y", 0}, {"px", 0}, {"py", 1.1}}},
@@ -184,8 +185,8 @@ TEST_F(SchemeSensitivities, BecomeThoseOfTheMotion) {
   EXPECT_NEAR(errors[0] / errors[1], 4, 0.1);
 }
 
-// Dry friction and a bouncing well: rates jump where the motion turns, or crosses the middle. From x = 0 with the
-// velocity v in the well |x| it comes back after 2v, with −v.
+// Dry friction and the well |x|: rates jump where the motion turns, or crosses the middle. From x = 0 with the velocity
+// v in the well |x| the body comes back after 2v, with −v.
 TEST_F(SchemeSensitivities, OfTheMotionGoOverJumps) {
   Json request{{"problem", custom(R"~({"variables":["x"],"parameters":{"f":1},"potential":"f*abs(x)"})~")},
                {"initial", {{"x", 0.5}, {"vx", 1}}},
@@ -193,7 +194,7 @@ TEST_F(SchemeSensitivities, OfTheMotionGoOverJumps) {
                {"until", 5},
                {"sensitivities", {{"by", {"/initial/x", "/initial/vx", "/problem/f"}}}}};
   Json found = answer(request)["sensitivities"];
-  // Across the middle after T = v + √(v² + 2x) with the velocity −w, w = √(v² + 2x); then x(t) = −w(t − T) + (t −
+  // It crosses the middle at T = v + √(v² + 2x) with the velocity −w, w = √(v² + 2x); then x(t) = −w(t − T) + (t −
   // T)²/2.
   const double w = std::sqrt(2.0), first = 1 + w, later = 5 - first;
   ASSERT_LT(later, 2 * w);
@@ -212,8 +213,8 @@ TEST_F(SchemeSensitivities, OfTheMotionGoOverJumps) {
   EXPECT_TRUE(says(only_fault(ask(port(), post("/v1/simulate", request.dump()))), "switch sides"));
 }
 
-// Close to the centre an orbit is another one after a change of 1e-5 of its momentum: what differences make of that
-// says how far they are good, not the derivatives.
+// Close to the centre a change of 1e-5 of the momentum leads to another orbit: a large discrepancy shows the limits of
+// the differences, not of the derivatives.
 TEST_F(SchemeSensitivities, AreSureOfThemselvesOnNearlyRadialOrbits) {
   for (const char* scheme : {"leapfrog", "runge_kutta_4"}) {
     const Json found = answer({{"problem", "kepler"},

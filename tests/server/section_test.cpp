@@ -1,4 +1,4 @@
-// Sections of single runs: where an expression vanishes, or at the times of a period, in every form of an answer.
+// Sections of single runs: zeros of an expression, or times of a period, in every form of an answer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ TEST_F(Sections, AreWhereTheMotionPasses) {
   EXPECT_FALSE(made.contains("events_asked"));
 }
 
-// Whatever sets the clock, a run with a section is the run without it, and the points are those of an event.
+// With every kind of steps a run with a section equals the run without it, and the points are those of an event.
 TEST_F(Sections, ChangeNothing) {
   for (const char* scheme : {"leapfrog", "taylor", "dormand_prince_5", "runge_kutta_4", "time_transformed"}) {
     Json request = {{"problem", "kepler"},
@@ -73,7 +73,7 @@ TEST_F(Sections, ChangeNothing) {
   }
 }
 
-// Beside events: the plane may be that of one that acts, or ends the run.
+// A section beside events: its plane may be that of an event that acts, or ends the run.
 TEST_F(Sections, StandBesideEvents) {
   Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"potential", "x"}}},
                   {"initial", {{"x", 1}}},
@@ -106,7 +106,7 @@ TEST_F(Sections, StandBesideEvents) {
   EXPECT_NE(all["events"].dump().find("\"e15\""), std::string::npos);
 }
 
-// At times of a period: the states of a run that is asked for them.
+// Stroboscopic points are the states of a run that asks for these times.
 TEST_F(Sections, AreStroboscopic) {
   for (const char* scheme : {"leapfrog", "taylor", "dormand_prince_5"}) {
     Json request = oscillation(scheme);
@@ -211,7 +211,7 @@ TEST_F(Sections, StandInEveryForm) {
   }
 }
 
-// A large section leaves in slices.
+// A large section is sent in slices.
 TEST_F(Sections, MayBeLong) {
   Json request = oscillation("leapfrog");
   request["section"] = {{"period", 0.001}};
@@ -228,7 +228,7 @@ TEST_F(Sections, MayBeLong) {
   EXPECT_NE(cut["warnings"].dump().find("section_truncated"), std::string::npos);
 }
 
-// What a step leaves behind that is taken back is no point.
+// Points of a step that is undone are removed.
 TEST_F(Sections, EndWhereTheRunEnds) {
   Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "x^2"}}}}},
                   {"initial", {{"x", 1}}},
@@ -244,7 +244,7 @@ TEST_F(Sections, EndWhereTheRunEnds) {
   EXPECT_EQ(answer(request)["section"]["t"], Json::array());
 }
 
-// The same points as an ensemble of one.
+// The same points as in an ensemble of one member.
 TEST_F(Sections, AreThoseOfAnEnsemble) {
   for (const Json& section : {Json{{"expression", "x*px + y*py"}, {"direction", "up"}}, Json{{"period", 1.25}}}) {
     Json request = {{"problem", "kepler"}, {"scheme", "leapfrog"}, {"until", 40}, {"section", section}};

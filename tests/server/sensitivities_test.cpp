@@ -17,7 +17,7 @@ class Sensitivities : public Asking {
  protected:
   static Json by(const Json& pointers) { return {{"by", pointers}, {"of", "motion"}}; }
 
-  /// Central differences of runs, of two lengths, so that what is left is of the fourth order.
+  /// differences() returns central differences of runs with two lengths, combined so that the error is of fourth order.
   static std::vector<double> differences(Json request, const Json& made, const std::string& pointer) {
     const Json::json_pointer place(pointer);
     Json base = request;
@@ -41,7 +41,7 @@ class Sensitivities : public Asking {
     }
     return slopes;
   }
-  /// Every derivative by a pointer against differences.
+  /// expect_differences() compares every derivative by a pointer with differences.
   static void expect_differences(Json request, double within) {
     const Json made = answer(request);
     const Json& found = made["sensitivities"];
@@ -55,7 +55,8 @@ class Sensitivities : public Asking {
         EXPECT_NEAR(found["final"][i][k], slopes[i], within * size) << found["rows"][i] << " by " << found["by"][k];
     }
   }
-  /// Lorenz's equations from a point of a periodic orbit, over its period. Truth: Barrio's derivatives.
+  /// Lorenz's equations over the period of a periodic orbit, from a point on it. The true values are Barrio's
+  /// derivatives.
   static Json lorenz(Json sensitivities) {
     return {{"problem", custom(R"~({"variables":["x","y","z"],"parameters":{"sigma":10,"rho":28,"beta":"8/3"},
                  "equations":{"x":"sigma*(y-x)","y":"x*(rho-z)-y","z":"x*y-beta*z"}})~")},
@@ -91,7 +92,7 @@ TEST_F(Sensitivities, OfSecondOrderOfLorenzAreThoseThatArePublished) {
   EXPECT_LT(made["sensitivities"]["uncertainty"], 1e-11);
 }
 
-// Of a start in velocities the momenta change with their squares, too.
+// Where the start is in velocities the momenta have second derivatives, too.
 TEST_F(Sensitivities, OfSecondOrderAreDifferencesOfTheFirst) {
   const Json problem = custom(R"~({"variables":["a"],"parameters":{"c":2},"lagrangian":"va^2/2*(c^2+cos(a)) - a^2"})~");
   Json request{{"problem", problem},
@@ -118,8 +119,8 @@ TEST_F(Sensitivities, OfSecondOrderAreDifferencesOfTheFirst) {
   }
 }
 
-// A ball from the height H that keeps the share r of its speed: after its first bounce at t₁ = √(2H) it is at
-// x = r√(2H)(t − t₁) − (t − t₁)²/2.
+// A ball from the height H that keeps the part r of its speed: after the first bounce at t₁ = √(2H), x = r√(2H)(t − t₁)
+// − (t − t₁)²/2.
 TEST_F(Sensitivities, GoThroughEventsThatAct) {
   const double height = 1, r = 0.8, first = std::sqrt(2 * height), t = 2.5, later = t - first;
   Json request{
@@ -139,7 +140,7 @@ TEST_F(Sensitivities, GoThroughEventsThatAct) {
     EXPECT_NEAR(found["final"][0][2], 1 - by_height, 1e-12) << scheme << ": as if all were lower";
     EXPECT_NEAR(found["events"][0]["t"][0], 1 / first, 1e-12) << scheme;
   }
-  // Many bounces, against differences of runs; and where the last act ends the run.
+  // Many bounces, against differences of runs; also where the last act ends the run.
   request["scheme"] = {{"id", "taylor"}, {"tolerance", 1e-15}};
   request["until"] = 9;
   expect_differences(request, 1e-7);
@@ -205,8 +206,8 @@ TEST_F(Sensitivities, OfEveryFormAsText) {
   }
 }
 
-// The map of a conservative scene is symplectic; with damping α it shrinks by e^{−αt}; of a contact scene it is
-// contact.
+// The map of a conservative scene is symplectic; with damping α it scales the form by e^{−αt}; in a contact scene it is
+// a contact map.
 TEST_F(Sensitivities, OfTheWholeStartKeepTheStructure) {
   Json request{{"problem", "double_pendulum"}, {"scheme", "taylor"}, {"until", 20}, {"sensitivities", by("initial")}};
   Json found = answer(request)["sensitivities"];
@@ -256,7 +257,7 @@ TEST_F(Sensitivities, OfTimesOfEvents) {
   EXPECT_NEAR(events[0]["t"][0], by_amplitude, 1e-11);
   EXPECT_NEAR(events[0]["t"][1], -quarter / 2, 1e-11) << "T ~ g^(−1/2)";
   EXPECT_NEAR(events[1]["t"][0], 5 * by_amplitude, 1e-10);
-  // Where an event ends the run, the end is that event.
+  // Where an event ends the run the end moves with the event.
   request["events"][0]["stop"] = true;
   request["events"][0]["expression"] = "phi - 0.3*g";
   expect_differences(request, 1e-8);
@@ -312,7 +313,7 @@ TEST_F(Sensitivities, AtSamplesInEveryForm) {
   EXPECT_EQ(first["sensitivities"]["by"], request["sensitivities"]["by"]) << "what was asked for is echoed";
 }
 
-// Velocities stay where the start says them, momenta where it says those; an echo says which.
+// Velocities are held fixed where the start has velocities, momenta where it has momenta; an echo says which.
 TEST_F(Sensitivities, HoldWhatTheStartSays) {
   const Json problem = custom(R"~({"variables":["x"],"parameters":{"m":2},"lagrangian":"m*vx^2/2 - x^2/2"})~");
   Json request{{"problem", problem},

@@ -1,4 +1,4 @@
-// What is told of derivatives beside them, over HTTP: their uncertainty, the structure of a map, why there are none.
+// Statements beside derivatives, over HTTP: their uncertainty, the structure of a map, and why there are none.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,8 @@ namespace {
 class SensitivitiesTold : public Asking {
  protected:
   static Json by(const Json& pointers) { return {{"by", pointers}, {"of", "motion"}}; }
-  /// By x of the start: rows of the end, then times of the events, from runs beside it.
+  /// differences() returns the derivatives by the initial x, from runs with neighbouring starts: of the final state,
+  /// then of the times of events.
   static std::vector<double> differences(Json request) {
     constexpr double h = 1e-4;
     request.erase("sensitivities");
@@ -34,11 +35,11 @@ class SensitivitiesTold : public Asking {
   }
 };
 
-// Masses of 1 to 8e-9 make entries of 1e8 and 1e-8: in units of which both are about 1 the map is symplectic to
-// rounding, whether one scheme or another makes it. Euler's steps keep no form in any units.
+// Masses from 1 to 8e-9 make entries of 1e8 and 1e-8: in units in which both are about 1 the map is symplectic to
+// rounding, by one scheme or another. Euler's steps keep no form in any units.
 TEST_F(SensitivitiesTold, TheStructureIsMeasuredInBalancedUnits) {
 #ifdef __SANITIZE_ADDRESS__
-  const std::vector<const char*> all{"leapfrog", "explicit_euler"};  // in such a build `auto` has no time for others
+  const std::vector<const char*> all{"leapfrog", "explicit_euler"};  // such a build is too slow for `auto`
 #else
   const std::vector<const char*> all{"leapfrog", "auto", "explicit_euler"};
 #endif
@@ -56,7 +57,7 @@ TEST_F(SensitivitiesTold, TheStructureIsMeasuredInBalancedUnits) {
   }
 }
 
-// What is made of the jumps of equations that switch is held against runs, of which one may start at another time.
+// Derivatives with jumps at switches are compared with runs, also with runs that start at another time.
 TEST_F(SensitivitiesTold, ByTheTimeOfTheStartOfSwitchingScenesAreHeldAgainstRuns) {
   const Json springs = custom(R"~({"variables": ["x"], "parameters": {"k": 2},
       "potential": "if(x>0, k*x^2/2, x^2/2) - 0.1*x*cos(t)"})~");
@@ -84,7 +85,7 @@ TEST_F(SensitivitiesTold, ByTheTimeOfTheStartOfSwitchingScenesAreHeldAgainstRuns
   }
 }
 
-// A pulse that is yet to come does not hide what switches make of derivatives, of the end and of times of events.
+// A later pulse does not hide the jumps that switches cause in derivatives, of the end and of times of events.
 TEST_F(SensitivitiesTold, JumpsAtSwitchesAreSeenBesideASleepingForce) {
   const auto pushed = [](const Json& more) {
     Json problem{{"id", "custom"}, {"variables", {"x"}}, {"potential", "x^2/2"}};
@@ -122,7 +123,7 @@ TEST_F(SensitivitiesTold, JumpsAtSwitchesAreSeenBesideASleepingForce) {
     }
 }
 
-// An event that acts begins a step: also one to a switch so close that nothing can be told on the way there.
+// An event that acts begins a new step, also so close to a switch that the step between them resolves nothing.
 TEST_F(SensitivitiesTold, JumpsAtSwitchesAreSeenAtTheEndOfTheShortestSteps) {
   for (const char* before : {"x - 1e-12", "x - 1e-10", "x - 1e-9", "x - 1e-8", "x - 1e-6"}) {
     const Json act{{"name", "act"}, {"expression", before}, {"direction", "down"}, {"set", {{"vx", "vx"}}}};
@@ -141,7 +142,7 @@ TEST_F(SensitivitiesTold, JumpsAtSwitchesAreSeenAtTheEndOfTheShortestSteps) {
   }
 }
 
-// Where a motion begins on a kink, its derivatives to the left and to the right are not the same: there is none.
+// At a start on a kink the derivatives to the left and to the right differ: there is no derivative.
 TEST_F(SensitivitiesTold, WhatIsContradictedByRunsCarriesAWarning) {
   for (const double x : {0.0, 0.5}) {
     const Json request{{"problem", custom(R"~({"variables": ["x"], "potential": "x^2/2 + abs(x)"})~")},

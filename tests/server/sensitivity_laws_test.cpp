@@ -1,4 +1,4 @@
-// What holds for the derivatives of every problem of the catalogue, over HTTP.
+// Properties of the derivatives of every problem of the catalogue, over HTTP.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,8 @@ namespace {
 
 class SensitivityLaws : public Asking {
  protected:
-  /// By its whole start, along its motion: of second order over a while in which differences are good.
+  /// of_whole_start() requests derivatives of the motion by the whole start, of second order over a span in which
+  /// differences are accurate.
   static Json of_whole_start(const ProblemCard& card, int order, double most = 1) {
     const double start = card.id == "lane_emden" ? 0.5 : 0;
     Json request{{"problem", card.id},
@@ -34,7 +35,8 @@ class SensitivityLaws : public Asking {
       for (const double slope : row) most = std::max(most, std::abs(slope));
     return most;
   }
-  /// Second derivatives by numbers of a request, which stand at these places in it, are those of the first ones.
+  /// expect_differences_of_first() compares second derivatives by the numbers at these places of a request with
+  /// differences of first derivatives.
   static void expect_differences_of_first(Json request, const std::vector<std::string>& places) {
     request["sensitivities"]["order"] = 2;
     const Json found = answer(request)["sensitivities"];
@@ -73,7 +75,7 @@ TEST_F(SensitivityLaws, TheWholeMapKeepsItsStructure) {
 TEST_F(SensitivityLaws, SecondDerivativesAreDifferencesOfTheFirst) {
   for (const auto& problem : problem_list()) {
     const ProblemCard& card = problem->card();
-    if (card.id == "lane_emden") continue;  // its equations switch sides
+    if (card.id == "lane_emden") continue;  // its equations have switches
     SCOPED_TRACE(card.id);
     const Json made = answer(of_whole_start(card, 2));
     const Json& found = made["sensitivities"];
@@ -101,7 +103,7 @@ TEST_F(SensitivityLaws, SecondDerivativesAreDifferencesOfTheFirst) {
   }
 }
 
-// `uncertainty` is about the largest error, where the tolerance makes it as where rounding does.
+// `uncertainty` is about the largest error, whether that is from the tolerance or from rounding.
 TEST_F(SensitivityLaws, UncertaintyIsAboutTheLargestError) {
   const auto error = [](const Json& rows, const Json& truth) {
     double most = 0;
@@ -136,7 +138,8 @@ TEST_F(SensitivityLaws, UncertaintyIsAboutTheLargestError) {
       expect_about(found, error(found["final"], truth), 20);
     }
   }
-  // Chaos makes rounding errors of the motion those of its derivatives: ones of the same equations in another order.
+  // In chaos rounding errors of the motion dominate those of its derivatives: the same equations in another order show
+  // them.
   const Json other = custom(R"~({"variables":["x","y","z"],"parameters":{"sigma":10,"rho":28,"beta":"8/3"},
       "equations":{"x":"sigma*y - sigma*x","y":"rho*x - y - z*x","z":"y*x - z*beta"}})~");
   for (const Json& by : {Json{"/initial/x"}, Json{"/problem/rho", "/problem/beta", "/problem/sigma", "/initial/y"}}) {
@@ -152,7 +155,7 @@ TEST_F(SensitivityLaws, UncertaintyIsAboutTheLargestError) {
   }
 }
 
-// A ball on a floor that swings: second derivatives are differences of the first, and of one bounce on a floor at rest
+// A ball on a swinging floor: second derivatives are differences of first ones, and for one bounce on a floor at rest
 // those of x = r√(2H)(t − t₁) − (t − t₁)²/2.
 TEST_F(SensitivityLaws, OfSecondOrderGoThroughEventsThatAct) {
   const double height = 1, r = 0.8, first = std::sqrt(2 * height), t = 2.5;
@@ -170,7 +173,7 @@ TEST_F(SensitivityLaws, OfSecondOrderGoThroughEventsThatAct) {
       {"sensitivities", {{"by", {"/initial/x", "/problem/r", "/problem/swing", "/problem/drag"}}, {"order", 2}}}};
   Json found = answer(request)["sensitivities"];
   ASSERT_TRUE(found["second"]["final"].is_array()) << found;
-  const Json& exact = found["second"]["final"][0];  // of pairs xx, xr, …, rr
+  const Json& exact = found["second"]["final"][0];  // for the pairs xx, xr, …, rr
   EXPECT_NEAR(exact[0], -(1 + r) * t / (first * first * first), 1e-11);
   EXPECT_NEAR(exact[1], t / first - 2, 1e-11);
   EXPECT_NEAR(exact[4], 0, 1e-11);
@@ -183,10 +186,8 @@ TEST_F(SensitivityLaws, OfSecondOrderGoThroughEventsThatAct) {
   }
 }
 
-// A ball that falls to a height c, where its run ends: its velocity there is −√(v² + 2g(x − c)). And one that comes
-// there with drag, after a bounce on a floor that swings.
-// Of the motion through its own bounces, also where those of the run are elsewhere; where the run has others there are
-// no derivatives of what it shows.
+// Derivatives are those of the motion with its own bounces, also where the bounces of the run are elsewhere; where the
+// run has others the answer has no derivatives.
 TEST_F(SensitivityLaws, OfTheMotionAreItsOwnHoweverCoarseTheRun) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"parameters":{"r":0.9},
       "potential":"x + x^2/8"},"initial":{"x":1},"scheme":"taylor","until":12,"record":{"every":0},
@@ -217,6 +218,8 @@ TEST_F(SensitivityLaws, OfTheMotionAreItsOwnHoweverCoarseTheRun) {
   EXPECT_GE(others, 1U);
 }
 
+// A ball that falls to a height c, where its run ends: its velocity there is −√(v² + 2g(x − c)). And one that arrives
+// there with drag, after a bounce on a swinging floor.
 TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnEventEndsTheRun) {
   const double g = 1.5, c = 0.25, x = 1, v = 0.4, end = std::sqrt(v * v + 2 * g * (x - c));
   Json request{{"problem", custom(R"~({"variables":["x"],"parameters":{"g":1.5,"c":0.25,"swing":0,"drag":0},
@@ -253,7 +256,7 @@ TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnEventEndsTheRun) {
       request, {"/initial/x", "/problem/parameters/swing", "/problem/parameters/drag", "/problem/parameters/c"});
 }
 
-// An event that acts may end the run, too: then they are those of what it makes, at its time.
+// An event that acts may end the run, too: then the derivatives are those of the state that it makes, at its time.
 TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnActEndsTheRun) {
   Json request{{"problem", custom(R"~({"variables":["x","y"],"parameters":{"g":1},"potential":"g*y+0.1*x^2"})~")},
                {"initial", {{"x", 0.2}, {"y", 1}, {"vx", 0.3}, {"vy", 0.1}}},
@@ -268,8 +271,8 @@ TEST_F(SensitivityLaws, OfSecondOrderStandWhereAnActEndsTheRun) {
   }
 }
 
-// From the centre of a star, where the equations are singular: by its index, of the motion that is regular there.
-// Of any n, q = 1 − t²/6 + n t⁴/120 − (8n² − 5n) t⁶/15120 + ….
+// From the centre of a star, where the equations are singular: derivatives by the index, of the regular motion. For any
+// n, q = 1 − t²/6 + n t⁴/120 − (8n² − 5n) t⁶/15120 + ….
 TEST_F(SensitivityLaws, FromASingularStart) {
   Json request{{"problem", {{"id", "lane_emden"}, {"n", 1.5}}},
                {"scheme", {{"id", "taylor"}, {"tolerance", 1e-15}}},
@@ -301,8 +304,8 @@ TEST_F(SensitivityLaws, FromASingularStart) {
   EXPECT_NE(none["reason"].get<std::string>().find("parameters alone"), std::string::npos) << none;
 }
 
-// Second derivatives of a body that is too fast to be followed end where times can no longer be told apart: halving the
-// step, which once went on for good, comes to two neighbouring numbers.
+// Second derivatives of a body too fast to be followed end where neighbouring times are the same double: halving the
+// step, which once went on for ever, ends at two neighbouring numbers.
 TEST_F(SensitivityLaws, AStepIsHalvedNoFurtherThanTimesCanTell) {
   runs::problem_called("kepler");
   const Json found = answer(Json::parse(R"({"problem":"kepler","until":{"t":1},"record":{"every":0},
@@ -312,8 +315,8 @@ TEST_F(SensitivityLaws, AStepIsHalvedNoFurtherThanTimesCanTell) {
   EXPECT_TRUE(found.contains("reason")) << found;
 }
 
-// A start that is said by its time alone follows from that and from the parameters, along the one regular motion:
-// wherever it is begun, its end is the same.
+// A start given by its time alone depends on that time and on the parameters, along the one regular motion: the end
+// does not depend on where the run begins.
 TEST_F(SensitivityLaws, ARegularStartGoesAlong) {
   Json request = {{"problem", {{"id", "lane_emden"}, {"n", 3}}},
                   {"scheme", "taylor"},

@@ -1,4 +1,4 @@
-// Scenes of more coordinates than any class is compiled for, over HTTP.
+// Scenes of more coordinates than any compiled class has, over HTTP.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -92,8 +92,8 @@ TEST_F(ManyCoordinates, AreAskedInEveryWay) {
   EXPECT_NEAR(made["curves"][1]["observed_order"], 4, 0.1);
 }
 
-// Whatever is asked of them: beyond 64 equations a system stands in no place of its own, beyond 128 keys nor did a
-// start.
+// Every kind of request works: systems of more than 64 equations and starts of more than 128 keys do not fit into
+// storage of a fixed size.
 TEST_F(ManyCoordinates, NoQuestionIsTooLarge) {
 #ifdef __SANITIZE_ADDRESS__
   const std::vector<int> sizes{70};  // others take minutes in such a build

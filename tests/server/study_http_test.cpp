@@ -24,7 +24,7 @@ constexpr std::string_view small =
         "schemes":["runge_kutta_4",{"id":"leapfrog","composition":"kahan_li_8"}]})";
 constexpr std::string_view simple = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})";
 
-// More than can be measured in the time.
+// long_study() requests more than can be measured in the time.
 std::string long_study(std::string_view fields, double seconds) {
   return post("/v1/work-precision",
               R"({"problem":"kepler","until":{"t":4000},"schemes":"all","error":"max","budget_seconds":)" +
@@ -38,7 +38,7 @@ std::vector<Json> read_lines(const Reply& reply) {
   return all;
 }
 
-// A point without what depends on the machine.
+// repeatable() returns a point without what depends on the machine.
 Json repeatable(Json point) {
   point.erase("seconds");
   return point;
@@ -103,7 +103,7 @@ TEST_F(StudyHttp, PointsOfTheFrontAreRunsThatCanBeMade) {
   EXPECT_TRUE(settings.contains("theta"));
 }
 
-// Where there is damping, too, steps that follow the motion are measured, and have no longest one.
+// With damping, too, adaptive steps are measured; they have no longest stable step.
 TEST_F(StudyHttp, StepsThatFollowADampedMotion) {
   runs::problem_called("damped_kepler");
   const std::string asked =
@@ -156,7 +156,7 @@ TEST_F(StudyHttp, FindsTheLongestStableStep) {
   EXPECT_EQ(json.at("status"), "completed");
 }
 
-// The alternatives are looked for after the choice, and one of them may cost less.
+// The alternatives are searched after the choice, and one of them may cost less.
 TEST_F(StudyHttp, AutoTakesTheCheapestThatItTells) {
   const std::string request = R"({"problem":{"id":"custom","variables":["q1","q2"],
     "hamiltonian":"(p1^2+p2^2)/2*(1+q1^2*q2^2/3)+p1^4/10+q1^2/2+q2^2+0.2*q1*p2"},
@@ -167,7 +167,7 @@ TEST_F(StudyHttp, AutoTakesTheCheapestThatItTells) {
     EXPECT_GE(other["force_evaluations"], made["cost"]["force_evaluations"]) << made["choice"];
 }
 
-// θ moves the step along with it, which points say.
+// The step follows θ, and points say so.
 TEST_F(StudyHttp, PointsSayTheStepThatGoesAlong) {
   const std::string request = R"({"problem":"kepler","until":{"t":20},"budget_seconds":10,
     "schemes":[{"id":"jacobi_maupertuis","step":0.02,"theta":0.01},"time_transformed"]})";
@@ -240,7 +240,7 @@ class StudyLoad : public testing::Test {
     ASSERT_FALSE(service->start());
   }
   int run() const { return ask(service->port(), post("/v1/simulate", simple)).status; }
-  // Whether the place becomes free soon.
+  // is_free_soon() says whether the place becomes free soon.
   bool is_free_soon() const {
     for (const auto from = Clock::now(); Clock::now() - from < 15s; std::this_thread::sleep_for(20ms)) {
       if (run() == 200) return true;
@@ -279,7 +279,7 @@ TEST_F(StudyLoad, TheEndOfTheServiceIsToldInTheLastLine) {
   EXPECT_TRUE(client.ended());
 }
 
-// Of so many bodies there is no reference to be had: nothing stopped, nothing was begun, and both say so.
+// For so many bodies there is no reference: this is not the effect of a time limit, and both studies say so.
 TEST_F(StudyHttp, WithoutAReferenceThatCanBeMadeNothingStopped) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x[n]","y[n]"],"parameters":{"n":100},
       "potential":"-sum(i=1..n,j=i+1..n,1/sqrt((x[i]-x[j])^2+(y[i]-y[j])^2))"},"until":0.002})~");
@@ -301,7 +301,7 @@ TEST_F(StudyHttp, WithoutAReferenceThatCanBeMadeNothingStopped) {
   EXPECT_EQ(made["diagnostics"]["error"]["reference"], "none");
 }
 
-// explicit_euler is exact at every step where nothing pulls, and grows at every step where something does.
+// explicit_euler is exact at every step for a free motion, and grows at every step for an oscillation.
 TEST_F(StudyHttp, AFreeMotionIsStableAtEveryStep) {
   Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"potential":"0*x"},"initial":{"vx":1},
       "schemes":["explicit_euler"]})~");
@@ -314,7 +314,7 @@ TEST_F(StudyHttp, AFreeMotionIsStableAtEveryStep) {
   EXPECT_EQ(limit().dump().find("energy_growth"), std::string::npos);
 }
 
-// A long chaotic motion, whose truth takes more than the time there is.
+// A long chaotic motion, whose true solution takes more than the time allowed.
 TEST_F(StudyHttp, WithoutAReferenceItStopped) {
   runs::problem_called("thermostat");
   const Reply reply = ask(port(), post("/v1/work-precision", R"({"problem":"thermostat","until":{"t":3000},

@@ -1,4 +1,4 @@
-// The Taylor scheme as a client meets it: over real sockets, against closed forms.
+// The Taylor scheme for a client: over real sockets, against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A folder of a test's own, removed with all in it.
+// A folder for one test, removed with its contents at the end.
 #pragma once
 
 #include <cstdlib>
@@ -17,7 +17,7 @@ class TemporaryFolder {
   ~TemporaryFolder() { std::filesystem::remove_all(name_); }
 
   const std::string& name() const { return name_; }
-  /// Of a file in it, whether or not there is one.
+  /// path() returns the path of a file in the folder, whether or not the file exists.
   std::string path(const std::string& file) const { return name_ + '/' + file; }
 
  private:

@@ -1,4 +1,4 @@
-// Trajectories of the members of an ensemble: those of runs by themselves, in every form, within the limits.
+// Trajectories of the members of an ensemble: they equal single runs, in every form, within the limits.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -22,7 +22,7 @@ class Trajectories : public Asking {
     EXPECT_EQ(made.status, 422) << made.body.substr(0, 300);
     return Json::parse(made.body)["errors"][0];
   }
-  /// The ensemble, and of each member the run of its start: x of /initial.
+  /// expect_runs_of_members() compares the ensemble with a run of each member, whose initial x varies.
   static void expect_runs_of_members(Json request) {
     const Json all = answer(request);
     const Json vary = request["members"]["vary"]["/initial/x"]["values"];
@@ -59,7 +59,7 @@ TEST_F(Trajectories, AreRunsByThemselves) {
   expect_runs_of_members(whole);
 }
 
-// Those that stop before have fewer rows, or none.
+// Members that stop earlier have fewer rows, or none.
 TEST_F(Trajectories, OfMembersThatStop) {
   Json request = {{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"equations", {{"x", "x^2"}}}}},
                   {"scheme", {{"id", "explicit_euler"}, {"step", 0.01}}},
@@ -87,7 +87,7 @@ TEST_F(Trajectories, OfMembersThatStop) {
   EXPECT_EQ(some["x"][2].size(), 3u);
 }
 
-// Beside all else that is kept, in lanes and not; the last row is the final state.
+// Trajectories beside everything else that is kept, in lanes and not; the last row is the final state.
 TEST_F(Trajectories, StandBesideTheRest) {
   for (const char* problem : {R"("kepler")", R"~({"id":"custom","variables":["x"],"parameters":{"k":1},
        "potential":"k*x^2/2 + cos(x)"})~"}) {
@@ -119,7 +119,7 @@ TEST_F(Trajectories, StandBesideTheRest) {
   }
 }
 
-// Many members and long ones: lists are cut where they leave.
+// Many members and long trajectories: lists are cut where they are sent.
 TEST_F(Trajectories, StandInEveryForm) {
   for (const std::size_t rows : {2, 30'000}) {
     Json request = orbits_of({{"samples", rows}});
@@ -155,7 +155,7 @@ TEST_F(Trajectories, StandInEveryForm) {
   }
 }
 
-// Nothing is computed of what has no room.
+// Where there is no room for the result nothing is computed.
 TEST_F(Trajectories, AreRefusedByName) {
   Json large = orbits_of({{"samples", 1000}});
   large["members"] = {{"count", 1000000}, {"vary", {{"/initial/x", {{"uniform", {0.8, 1.2}}}}}}};

@@ -1,4 +1,4 @@
-// Who computes: turns in the queue, clients that leave and clients that only stop sending.
+// Turns to compute: the queue, clients that leave, and clients that only end their sending.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
@@ -29,7 +29,7 @@ namespace {
 using namespace std::chrono_literals;
 using Ticks = std::chrono::steady_clock;
 
-// Waits on this thread.
+// enter() waits for a turn on this thread.
 std::optional<Admission::Pass> enter(Admission& admission, const std::string& client,
                                      std::chrono::milliseconds patience, const std::function<bool()>& gone = {}) {
   std::promise<std::optional<Admission::Pass>> come;
@@ -40,7 +40,7 @@ std::optional<Admission::Pass> enter(Admission& admission, const std::string& cl
   return came.get();
 }
 
-// Waits in the queue of an admission, on a thread of its own.
+// Asking waits for a turn on a thread of its own.
 struct Asking {
   Asking(Admission& admission, const std::string& client, std::vector<std::string>& order, std::mutex& mutex)
       : thread([&admission, &order, &mutex, client] {
@@ -214,7 +214,7 @@ TEST_F(Leaving, FreesTheCoreWithinAFifthOfASecond) {
       std::string::npos);
 }
 
-// A client that has sent all it had to say still reads.
+// A client that has ended its sending still reads.
 TEST_F(Leaving, AHalfClosedClientIsAnswered) {
   for (const auto& [fields, minor] : {std::pair("", '1'), {"", '0'}, {"Accept: application/x-ndjson\r\n", '1'}}) {
     Client client(service->port());
@@ -244,8 +244,8 @@ TEST_F(Leaving, AHalfClosedClientIsAdvisedAsAnyOther) {
   EXPECT_EQ(half["final"], whole["final"]);
 }
 
-// Choosing and running keep the limit together. In seconds of the processor: of others that are at work on the machine
-// the service can do nothing.
+// Choosing a scheme and running it keep the limit together. The time is processor time, because the service is not
+// responsible for other work of the machine.
 TEST_F(Leaving, AutoKeepsTheLimitOfSeconds) {
   const std::clock_t from = std::clock();
   const Reply reply = ask(service->port(), post("/v1/simulate", R"({"problem":"kepler",
@@ -255,7 +255,7 @@ TEST_F(Leaving, AutoKeepsTheLimitOfSeconds) {
   EXPECT_LT(static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC, 2.3) << reply.body;
 }
 
-// A megabyte of words that nobody knows is refused before they have cost much.
+// A megabyte of unknown names is refused before it has cost much.
 TEST_F(Leaving, HopelessRequestsCostLittle) {
   std::string columns;
   for (int i = 0; columns.size() < 1'000'000; ++i) {
@@ -273,7 +273,7 @@ TEST_F(Leaving, HopelessRequestsCostLittle) {
     }
     return best;
   };
-  // As many bytes, of which only the first key is looked at.
+  // As many bytes, but only the first key is examined.
   std::string unread = request;
   unread.replace(unread.find("columns"), 7, "column_");
   const double least = cost(unread);
@@ -292,7 +292,8 @@ TEST_F(Leaving, HopelessRequestsCostLittle) {
   EXPECT_EQ(few["errors"].size(), 30u);
 }
 
-// What is wrong with a short request is told while others compute; a long one is dear to read, and waits for its turn.
+// Faults of a short request are reported while others compute; a long request is expensive to read, and waits for its
+// turn.
 TEST_F(Leaving, OnlyShortRequestsAreReadOutOfTurn) {
   Client computes(service->port());
   computes.send(long_request("20"));
@@ -305,7 +306,7 @@ TEST_F(Leaving, OnlyShortRequestsAreReadOutOfTurn) {
   EXPECT_EQ(ask(service->port(), post("/v1/simulate", wrong + std::string(4096, ' '))).status, 422);
 }
 
-// With what no JSON begins is refused at a glance, however much follows and whoever computes.
+// A body whose first character cannot begin JSON is refused at once, however long it is and whoever computes.
 TEST_F(Leaving, WhatBeginsAsNoJsonIsRefusedAtAGlance) {
   Client computes(service->port());
   computes.send(long_request("20"));
@@ -316,7 +317,7 @@ TEST_F(Leaving, WhatBeginsAsNoJsonIsRefusedAtAGlance) {
     EXPECT_EQ(reply.status, 400) << body;
     EXPECT_NE(reply.body.find("not JSON at byte"), std::string::npos) << reply.body;
   }
-  // A glance has an end, and a mark of the order of bytes is none of a text.
+  // This look ahead is bounded, and skips a byte order mark.
   const std::string run = R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":9}})";
   EXPECT_EQ(ask(service->port(), post("/v1/simulate", much + "[]")).status, 503);
   EXPECT_EQ(ask(service->port(), post("/v1/simulate", "\xEF\xBB\xBF" + run + much)).status, 503);
@@ -329,7 +330,7 @@ TEST_F(Leaving, WhatBeginsAsNoJsonIsRefusedAtAGlance) {
   EXPECT_EQ(ask(service->port(), post("/v1/simulate", much + "[]")).status, 422);
 }
 
-// One client with many connections, another with one: it is served all the same.
+// One client with many connections, and another with one: the latter is served all the same.
 TEST(Fairness, ManyConnectionsDoNotShutOutOne) {
   Settings settings = quiet_settings();
   settings.threads = 1;
@@ -344,7 +345,7 @@ TEST(Fairness, ManyConnectionsDoNotShutOutOne) {
   EXPECT_EQ(served_of(20, Client(service.port(), "127.0.0.2")), 20);
 }
 
-// A class behind one address: whoever has much to ask on one connection is served as often as those who ask once.
+// A class behind one address: a connection with many requests is served as often as those with one.
 TEST(Fairness, ConnectionsOfOneAddressAreServedAlike) {
   Settings settings = quiet_settings();
   settings.threads = 1;

@@ -1,4 +1,4 @@
-// Requests in SI units: nothing is refused for its unit, and the echo says the defaults that follow from the scene.
+// Requests in SI units: nothing is refused for its unit, and the echo has defaults that follow from the scene.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 using UnitsHttp = Serving;
 
-/// A comet of the sun.
+/// comet() is a comet of the sun, in SI units.
 Json comet(const Json& scheme, double speed = 500) {
   runs::problem_called("kepler");
   return {{"problem", {{"id", "kepler"}, {"mu", 1.327e20}}},
@@ -47,7 +47,7 @@ TEST_F(UnitsHttp, ACometOfTheSunRunsByEverySchemeAsInNaturalUnits) {
   }
 }
 
-// The exact orbit, but for time, in some nine hundred steps.
+// The orbit is exact, except for time, with some nine hundred steps.
 TEST_F(UnitsHttp, ThePresetOfKeplerOrbitsIsExactInSIUnits) {
   const Json run = answer(port(), comet({{"id", "time_transformed"}, {"preset", "kepler"}}));
   EXPECT_EQ(run["status"], "completed");
@@ -75,7 +75,7 @@ TEST_F(UnitsHttp, NothingIsRefusedForItsUnit) {
   EXPECT_NEAR(run["cost"]["steps"], 1889, 20) << "as many as of the default orbit in its period";
 }
 
-// A run that says no end has one of the scene's own units.
+// A run without a given end has one in the scene's own units.
 TEST_F(UnitsHttp, TheDefaultSpanIsThatOfTheScene) {
   Json request = comet("leapfrog");
   request.erase("until");

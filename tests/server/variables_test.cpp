@@ -1,4 +1,4 @@
-// The built binary: what comes from the environment, sizes, the first line of the log, and signals.
+// The built binary: options from the environment, sizes, the first line of the log, and signals.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// What a service says until it is ended, with these arguments and variables; its log says why it ended.
+// log_of() returns what a service with these arguments and variables logs until it is ended; the log says why it ended.
 std::string log_of(std::vector<std::string> arguments, std::vector<std::string> environment) {
   arguments.insert(arguments.begin(), "serve");
   Process serve(std::move(arguments), "", std::move(environment));
@@ -72,7 +72,7 @@ TEST(Log, TheFirstLineSaysWhatRuns) {
     EXPECT_NE(first.find(part), std::string::npos) << part << "\n" << first;
   }
   EXPECT_EQ(first.find("metrics_port"), std::string::npos);
-  // A port that was picked is known from nowhere else.
+  // Only the log says which port was picked.
   const std::string apart = log_of({"--port", "0", "--metrics-port", "0"}, {});
   constexpr std::string_view before = " metrics_port=";
   const auto place = apart.find(before);
@@ -93,7 +93,7 @@ TEST(Log, NamesTheClientBehindAProxyAndItsRequest) {
   EXPECT_EQ(wrong.wait(), 1);
 }
 
-// A terminal that closes ends it as SIGTERM does, and a run that computes is answered.
+// A closing terminal ends the service as SIGTERM does, and a run that computes is answered.
 TEST(Signals, HangingUpEndsInGoodOrder) {
   Process serve({"serve", "--port", "0", "--grace", "0.3"});
   const int port = port_in(serve.line());

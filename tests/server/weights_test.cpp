@@ -1,4 +1,4 @@
-// A composition by its weights, in requests, answers, studies and cards: over real sockets.
+// A composition given by its weights, in requests, answers, studies and cards, over real sockets.
 #include <gtest/gtest.h>
 
 #include "core/composition.hpp"
@@ -21,7 +21,7 @@ std::vector<double> weights_of_kahan_li_6() {
   const auto& known = Weights<double>::of(Composition::kahan_li_6);
   return {known.gamma.begin(), known.gamma.begin() + known.stages};
 }
-/// The only fault of such a request.
+/// fault_of_weights() returns the only fault of such a request.
 Json fault_of_weights(int port, const Json& composition, const char* scheme = "contact_leapfrog") {
   return only_fault(ask(port, post("/v1/simulate", weighted(scheme, composition).dump())));
 }

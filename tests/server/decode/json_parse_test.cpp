@@ -109,7 +109,7 @@ TEST(JsonText, WithoutMemoryIsNotRead) {
   EXPECT_EQ(memory.held(), 0u) << "what is small is taken in any case";
 }
 
-#if !defined(__SANITIZE_ADDRESS__)  // which allocates otherwise
+#if !defined(__SANITIZE_ADDRESS__)  // a sanitizer changes allocations
 
 TEST(JsonText, CountsTheMemoryOfItsTree) {
   const auto in_use = [] {

@@ -162,7 +162,7 @@ TEST(Decode, SettingsThatConflictAreFaultsAtTheOneToChange) {
   EXPECT_EQ(fault.allowed, "[1, 7]");
   EXPECT_TRUE(faults.at("/recrod")) << "with all other faults at once";
   good(with(R"("stages":8,"keep":false)"));
-  // Settings that could not be read are not held against each other, nor against a problem they cannot run.
+  // Settings that could not be read are not compared with each other, nor with a problem they cannot run.
   const Faults unread = bad(with(R"("stages":8,"kappa":true)"));
   EXPECT_FALSE(unread.at("/scheme/stages"));
   EXPECT_EQ(unread.list().size(), 1u);
@@ -178,11 +178,11 @@ TEST(Decode, ASchemeWithItsOwnClockCountsItsOwnSteps) {
   EXPECT_EQ(request.steps, 5000);
   EXPECT_EQ(request.record.mode, Record::Mode::every);
   EXPECT_EQ(request.record.count, 6);
-  // The settings hold a step of 0.1: it says nothing of how many of them there are until a time,
+  // The settings have a step of 0.1: it is not used for the number of steps until a time,
   request = good(with(R"("until":{"t":1e300},"record":{"every":1},"limits":{"samples":10})"));
   EXPECT_EQ(request.record.count, 1);
   EXPECT_EQ(good(with(R"("until":{"t":20})")).record.mode, Record::Mode::samples);
-  // nor of when they end.
+  // nor for the time when the steps end.
   good(with(R"("until":{"steps":5},"record":{"times":[1,1e9]})"));
   good(with(R"("until":{"steps":5},"record":{"every":0})"));
   EXPECT_TRUE(bad(with(R"("until":{"steps":5000},"record":{"every":1},"limits":{"samples":100})")).at("/record/every"));
@@ -192,7 +192,7 @@ TEST(Decode, ASchemeWithItsOwnClockCountsItsOwnSteps) {
   EXPECT_TRUE(contains(fault.detail, "sets its own clock")) << fault.detail;
   EXPECT_EQ(fault.value, "10");
   good(with(R"("until":{"t":20},"record":{"samples":10})"));
-  // A step that cannot be read is no clock of its own.
+  // A step that cannot be read does not make the scheme one that chooses its steps.
   EXPECT_FALSE(
       bad(R"({"problem":"swing","scheme":{"id":"leapfrog","step":0},"until":{"steps":5},"record":{"samples":5}})")
           .at("/record/samples"));

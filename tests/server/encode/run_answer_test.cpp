@@ -14,7 +14,7 @@
 namespace least::server {
 namespace {
 
-// A run as the core would leave it, of the scheme with its own clock: every kind of parameter and of report.
+// Example is a run as the core would leave it, by the scheme with its own clock: every kind of parameter and of report.
 struct Example {
   Request request;
   Solution outcome;
@@ -107,7 +107,7 @@ TEST(EncodeJson, SaysHowASchemeWasChosen) {
   EXPECT_TRUE(told);
 }
 
-// Columns of codes beside a column of numbers: mode (two words), parameter (the variables q and p).
+// Columns of codes beside a column of numbers: mode (two words) and parameter (the variables q and p).
 Example coded() {
   Example example;
   example.request.columns = {0, 4, 5};
@@ -171,7 +171,8 @@ TEST(EncodeCsv, WritesColumnsAndBoundedFields) {
   }
 }
 
-// A tree of CBOR as one of JSON: typed arrays of binary64 become arrays of numbers, what is NaN there becomes null.
+// from_cbor() converts a CBOR tree to one of JSON: typed arrays of binary64 become arrays of numbers, and NaN in them
+// null.
 Json from_cbor(const std::string& bytes) {
   Json tree = Json::from_cbor(bytes, true, true, Json::cbor_tag_handler_t::store);
   for (auto& [name, column] : tree["trajectory"].items()) {
@@ -214,7 +215,7 @@ TEST(EncodeCbor, WritesHeadsOfEverySize) {
   EXPECT_EQ(Json::from_cbor(bytes).dump(), "[-0.0,1e+300,null,true,false,null]");
 }
 
-// However large an answer is, and wherever its blocks and pieces end, its pieces are those of the whole.
+// However large an answer is, and wherever its blocks and pieces end, the pieces together are the whole.
 TEST(EncodeInPieces, GivesTheBytesOfTheWhole) {
   Example example;
   std::vector<double> values(400'002);

@@ -1,4 +1,4 @@
-// Turns where memory runs out: nobody is forgotten, no place is lost.
+// Turns where memory runs out: no request is forgotten, and no place is lost.
 #include "server/http/admission.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include "server/http/metrics.hpp"
 
 namespace {
-thread_local int allocations_left = -1;  // on this thread, then there is no memory; -1: no bound
+thread_local int allocations_left = -1;  // allocations that succeed on this thread; -1: all
 }
 
 void* operator new(std::size_t size) {

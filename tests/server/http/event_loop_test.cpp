@@ -1,4 +1,4 @@
-// The loop where those it calls fail: that costs the connection with which it happened, and no other.
+// The event loop where its handlers throw: that costs the connection for which it happened, and no other.
 #include "server/http/event_loop.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using test::Client;
 using test::get;
 
-// Answers requests with nothing, and fails where there is more to do.
+// Failing answers requests without a body, and throws for the path /fails and for refusals.
 class Failing final : public Handler {
  public:
   ExchangePtr begin(Message message, Peer& peer, Line line) override {

@@ -1,4 +1,4 @@
-// What proxies say of the clients behind them: believed of those that are trusted, and of nobody else.
+// Addresses that proxies give for the clients behind them: only trusted proxies are believed.
 #include "server/http/forwarded.hpp"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST(Forwarded, ARequestIdIsKeptWhereItIsOne) {
     EXPECT_EQ(id(values), "none");
 }
 
-// A crowd behind a proxy, and one of another address behind it.
+// A crowd behind a proxy, and a client with another address behind the same proxy.
 TEST(Forwarded, ThoseBehindAProxyAreServedByTheirAddress) {
   Settings settings = quiet_settings();
   settings.threads = 1;

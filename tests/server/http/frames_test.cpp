@@ -12,7 +12,7 @@
 namespace least::server::test {
 namespace {
 
-// What a browser asks that is about to put the page into a frame of a page of this origin.
+// framed() is the request of a browser that puts the page into a frame of a page of this origin.
 std::string framed(const std::string& origin, const std::string& path = "/") {
   return get(path, "Sec-Fetch-Dest: iframe\r\nAccept: text/html,*/*;q=0.8\r\n" +
                        (origin.empty() ? "" : "Referer: " + origin + "/lecture.html\r\n"));

@@ -102,7 +102,7 @@ TEST_F(Http, TheEchoSentBackGivesTheSameBytes) {
   }
 }
 
-// The answer's `diagnostics` are results: what was asked for there is the one thing that the echo does not hold.
+// The answer's `diagnostics` are results: the diagnostics asked for are the only thing that the echo lacks.
 TEST_F(Http, TheEchoOfARunWithDiagnosticsGivesTheSameRun) {
   for (const char* text :
        {R"({"problem":"kepler","scheme":"leapfrog","until":{"t":9.5},"diagnostics":["momenta","structure","error"]})",
@@ -160,7 +160,7 @@ struct Case {
   const char* name;
   std::string request;
   int status;
-  std::string (*large)() = nullptr;  // a request that is written when it is sent: every test's process lists all cases
+  std::string (*large)() = nullptr;  // written when it is sent, as every test process lists all cases
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 class HttpError : public Serving, public testing::WithParamInterface<Case> {};
@@ -330,7 +330,7 @@ TEST_F(Http, ARefusedBodyIsNotTakenForTheNextRequest) {
     EXPECT_EQ(reply->fields.at("connection"), "close");
     EXPECT_TRUE(client.ended()) << request;
   }
-  // The body of a GET, or of a request whose path is unknown, belongs to it too.
+  // The body of a GET, or of a request with an unknown path, belongs to that request.
   Client client(port());
   client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + std::to_string(hidden.size()) +
               "\r\n\r\n" + hidden + post("/nowhere", hidden) + get("/v1/simulate"));

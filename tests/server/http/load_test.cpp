@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// Computes until it is ended.
+// long_run() requests a run that computes until it is ended.
 std::string long_run(double seconds) {
   return post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
     "record":{"every":0},"limits":{"steps":10000000000,"seconds":)" +
@@ -40,7 +40,8 @@ class Load : public testing::Test {
     const auto error = service->start();
     ASSERT_FALSE(error) << *error;
   }
-  // In seconds, of so many small runs, each on a connection of its own: a machine may falter once.
+  // slowest_but_one() returns the second longest time in seconds of small runs, each on a connection of its own,
+  // because a machine may delay one by chance.
   double slowest_but_one(int runs) const {
     std::vector<double> times;
     for (int i = 0; i < runs; ++i) {
@@ -57,7 +58,7 @@ class Load : public testing::Test {
   }
 };
 
-// Half a head, half a body, or nothing at all.
+// Clients that send half a head, half a body, or nothing at all.
 TEST_F(Load, HalfOpenClientsCostOthersNothing) {
   start();
   std::list<Client> half;
@@ -69,7 +70,7 @@ TEST_F(Load, HalfOpenClientsCostOthersNothing) {
   EXPECT_LT(threads(), 40u);
 }
 
-// One after the other, and each as soon as the one before is answered.
+// They are answered one after the other, each as soon as the one before.
 TEST_F(Load, RequestsSentAheadAreNotKeptWaiting) {
   start();
   double best = 1e9;
@@ -85,7 +86,7 @@ TEST_F(Load, RequestsSentAheadAreNotKeptWaiting) {
   EXPECT_LT(best, 1);
 }
 
-// Eight who take hundreds of megabytes by the drop hold no worker, and little memory beside the numbers.
+// Eight clients that read hundreds of megabytes slowly hold no worker, and little memory beside the numbers.
 TEST_F(Load, DrippingReadersHoldNoWorker) {
   settings.threads = 1;
   start();
@@ -105,7 +106,7 @@ TEST_F(Load, DrippingReadersHoldNoWorker) {
   end = true;
 }
 
-// Nobody is let go for another's sake while there are descriptors.
+// No connection is closed to make room while there are descriptors.
 TEST_F(Load, ConnectionsThatIdleAreKept) {
   start();
   std::list<Client> idle;
@@ -130,14 +131,14 @@ TEST_F(Load, SlowClientsAreLetGo) {
   EXPECT_TRUE(head.ended());
   EXPECT_EQ(body.receive().value_or(Reply{}).status, 408);
   EXPECT_TRUE(idle.ended());
-  // A byte now and then does not set the clock back.
+  // A byte now and then does not restart the timeout.
   Client drip(service->port());
   const auto from = Clock::now();
   while (drip.send("x") && Clock::now() - from < 5s) std::this_thread::sleep_for(20ms);
   EXPECT_LT(Clock::now() - from, 5s);
 }
 
-// As many as there may be: nobody waits, and all stay, those who have just come and those who idle.
+// As many connections as the limit: nobody waits, and all stay, new ones and idle ones.
 TEST_F(Load, AllPlacesAreKeptWhileNobodyWaits) {
   settings.connections = 4;
   start();
@@ -174,7 +175,7 @@ TEST_F(Load, IdleConnectionsMakeRoom) {
   EXPECT_TRUE(idle.front().ended()) << "who idled for longest";
 }
 
-// Those who never send a whole request give way to those who do, the oldest first, long before their time is over.
+// Clients that never send a whole request give way to those that do, the oldest first, long before their time is over.
 TEST_F(Load, RequestsThatDoNotComeMakeRoom) {
   settings.connections = 4;
   settings.bounds.head_time = settings.bounds.body_time = 60s;
@@ -191,8 +192,8 @@ TEST_F(Load, RequestsThatDoNotComeMakeRoom) {
   EXPECT_EQ(half.back().receive().value_or(Reply{}).status, 200) << "the youngest has stayed";
 }
 
-// Streams that nobody reads hold the workers of their places and no more, however much of them is left when the run is
-// over and its place is given back: of one of these sizes it is the end.
+// Streams that nobody reads hold only the workers of their places, however much is left when the run is over and its
+// place is given back: with one of these sizes only the end is left.
 TEST_F(Load, StreamsThatNobodyReadsHoldNoFurtherWorker) {
   settings.threads = 1;
   settings.bounds.stall = settings.bounds.drip = 60s;
@@ -212,7 +213,7 @@ TEST_F(Load, StreamsThatNobodyReadsHoldNoFurtherWorker) {
   }
 }
 
-// Clients who never idle for long do not keep the connections for themselves.
+// Clients that never idle for long do not keep all connections for themselves.
 TEST_F(Load, BusyConnectionsMakeRoom) {
   settings.connections = 8;
   start();
@@ -291,7 +292,7 @@ TEST_F(Load, TheEndAnswersWhatWasAccepted) {
   half.send(request.substr(0, 40));
   std::this_thread::sleep_for(200ms);
   auto end = std::async(std::launch::async, [&] { service->stop(); });
-  // However late the other thread gets to it: the end has begun once nobody is let in any more.
+  // The other thread may be late: the end has begun once no connection is accepted any more.
   const auto from = Clock::now();
   while (Client(port).connected() && Clock::now() - from < 2s) std::this_thread::sleep_for(5ms);
   EXPECT_FALSE(Client(port).connected());

@@ -1,4 +1,4 @@
-// Memory: of texts that nobody reads, of requests whose turn has not come, of the whole process.
+// Memory: of answers that nobody reads, of requests that wait for their turn, of the whole process.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -71,7 +71,7 @@ TEST(Memory, IsBoundedAcrossRequestsThatWait) {
   Client computing(service.port()), waiting(service.port()), too(service.port());
   computing.send(run(0));
   EXPECT_TRUE(holds_within_time(service.port(), 1, 4 * large));
-  const std::size_t alone = held_by(service.port());  // what an answer may come to
+  const std::size_t alone = held_by(service.port());  // the most that an answer takes
   waiting.send(run(large));
   EXPECT_TRUE(holds_within_time(service.port(), alone + large, alone + 2 * large)) << "and nothing is made of it yet";
   too.send(run(large));
@@ -85,7 +85,7 @@ TEST(Memory, IsBoundedAcrossRequestsThatWait) {
   EXPECT_TRUE(holds_within_time(service.port(), 0, 0));
 }
 
-// The tree of a text may be forty times as large as the text.
+// The parsed tree of a text may be forty times as large as the text.
 TEST(Memory, IsBoundedAcrossTreesOfRequests) {
   std::string columns;
   while (columns.size() < 900'000) columns += R"({"a":1},)";
@@ -102,7 +102,7 @@ TEST(Memory, IsBoundedAcrossTreesOfRequests) {
   EXPECT_TRUE(holds_within_time(narrow.port(), 0, 0));
 }
 
-#if !defined(__SANITIZE_ADDRESS__)  // which has needs of its own
+#if !defined(__SANITIZE_ADDRESS__)  // a sanitizer has needs of its own
 
 double mebibytes(const Process& service, const std::string& name) {
   std::ifstream file("/proc/" + std::to_string(service.id()) + "/status");
@@ -134,7 +134,7 @@ TEST(Memory, OfTheProcessFollowsWhatIsKept) {
 }
 
 TEST(Memory, WithoutItsThreadsTheServiceDoesNotBegin) {
-  // A thread's stack takes 8 MiB of the gibibyte of addresses.
+  // A thread's stack takes 8 MiB of the 1 GiB of addresses.
   std::FILE* const service =
       ::popen("ulimit -v 1048576; exec " LEAST_BINARY " serve --port 0 --threads 4096 2>&1", "r");
   std::string said;

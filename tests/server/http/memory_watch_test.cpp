@@ -1,4 +1,4 @@
-// What nobody counted is taken of the memory that requests share.
+// Memory that nobody counted is taken from the budget that requests share.
 #include "server/http/memory_watch.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t mebibyte = std::size_t{1} << 20, tolerated = MemoryWatch::tolerated;
 
-// Of a process whose memory is what a test says.
+// A watch over a process whose resident memory is what the test says.
 class MemoryWatchTest : public testing::Test {
  protected:
   MemoryWatchTest() { workers_.start(1); }

@@ -1,4 +1,4 @@
-// What the service says about itself, and what stands on every answer.
+// What the service reports about itself, and the fields of every answer.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -22,7 +22,7 @@ constexpr std::string_view endless_request =
     R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10000000000},
         "record":{"every":0},"limits":{"steps":10000000000,"seconds":20}})";
 
-// The value of a line of the metrics; -1 where there is none.
+// metric() returns the value of a line of the metrics; -1 where there is none.
 double metric(const std::string& text, const std::string& name) {
   const auto at = ("\n" + text).find("\n" + name + " ");
   return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 1));
@@ -138,7 +138,7 @@ TEST_F(Probes, StudiesAreCountedAndFilesAreOneRoute) {
   EXPECT_GE(metric(text, R"(leastaction_runs_total{endpoint="/v1/stability",scheme="several"})"), 1);
 }
 
-// Caches between know that a packed answer is not for everybody.
+// The field Vary tells caches that a compressed answer is not for every client.
 TEST_F(Probes, ThatArePackedSaySo) {
   const Reply reply = ask(port(), get("/metrics", "Accept-Encoding: gzip\r\n"));
   EXPECT_EQ(reply.fields.at("content-encoding"), "gzip");
@@ -249,7 +249,7 @@ TEST_F(Probes, AnswersArePackedForWhoAsks) {
   EXPECT_EQ(same, whole);
 }
 
-// A stream is packed piece by piece: each can be read when it comes.
+// A stream is compressed piece by piece: each piece can be read when it comes.
 TEST_F(Probes, StreamsArePackedPieceByPiece) {
   Client client(port());
   client.send(post("/v1/work-precision",
@@ -274,7 +274,7 @@ TEST_F(Probes, StreamsArePackedPieceByPiece) {
   EXPECT_TRUE(unpacked(reply->body).starts_with(line));
 }
 
-// It is not ready any more, and goes on as before until its port closes.
+// The service says that it is not ready any more, and goes on as before until its port closes.
 TEST(Readiness, IsLostBeforeThePortCloses) {
   Settings settings = quiet_settings();
   settings.drain = 30;
@@ -295,7 +295,7 @@ TEST(Readiness, IsLostBeforeThePortCloses) {
   service.hurry();
 }
 
-// A person may read it, in a browser.
+// The refusal is readable for a person with a browser.
 TEST_F(Probes, AHostThatIsUnknownIsToldWhatToDo) {
   const auto asked_by = [](const std::string& host, const std::string& accept) {
     return ask(port(), "GET / HTTP/1.1\r\nHost: " + host + "\r\nAccept: " + accept + "\r\n\r\n");
@@ -310,7 +310,7 @@ TEST_F(Probes, AHostThatIsUnknownIsToldWhatToDo) {
   EXPECT_EQ(asked_by("<script>alert(1)</script>", "text/html").body.find("<script"), std::string::npos);
 }
 
-// An empty name allows nothing: not what is no host at all.
+// An empty name in the list allows nothing, not requests without a host.
 TEST(Hosts, AnEmptyNameIsNobodys) {
   Settings settings = quiet_settings();
   settings.allow_hosts = {""};
@@ -331,7 +331,7 @@ TEST_F(Probes, TargetsOfEveryFormAreTaken) {
   // The target's authority counts, not Host (RFC 9112, 3.2.2).
   EXPECT_EQ(ask(port(), line("GET http://evil.example/v1")).status, 403);
   EXPECT_EQ(ask(port(), line("GET http://localhost/v1", "evil.example")).status, 200);
-  // So it does where the page's own origin is asked for.
+  // It counts also in the comparison with the page's own origin.
   EXPECT_EQ(ask(port(), line("GET http://localhost/v1", "evil.example\r\nOrigin: http://localhost")).status, 200);
   EXPECT_EQ(ask(port(), line("GET http://localhost/v1", "evil.example\r\nOrigin: http://evil.example")).status, 403);
   EXPECT_EQ(ask(port(), line("GET ftp://localhost/v1")).status, 400);
@@ -345,7 +345,7 @@ TEST_F(Probes, TargetsOfEveryFormAreTaken) {
   }
 }
 
-// What cannot become a request is told so at once, not when its time is over.
+// Bytes that cannot become a request are refused at once, not when their time is over.
 TEST_F(Probes, WhatIsNoRequestIsRefusedAtOnce) {
   for (const std::string& bytes :
        {std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11),

@@ -1,4 +1,4 @@
-// Bytes to requests: however they are cut on their way, the same comes of them.
+// From bytes to requests: however the bytes are cut on their way, the requests are the same.
 #include "server/http/request_reader.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace least::server {
 namespace {
 
-// What comes of bytes that arrive in pieces of so many, as a line for each request.
+// read_in() reads bytes that arrive in pieces of `piece` bytes and returns a line for each request.
 std::vector<std::string> read_in(std::string_view bytes, std::size_t piece) {
   const RequestBounds bounds{{200, 100, 5}, 50};
   RequestReader reader(bounds);
@@ -50,7 +50,7 @@ TEST(RequestReader, DoesNotCareWhereBytesAreCut) {
       {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n33\r\n", {"413"}},
       {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n0\r\n" + std::string(300, 'a'), {"400"}},
       {"POST /a HTTP/1.1\r\n" + host + "Content-Length: 51\r\n\r\n", {"413"}},
-      // A bare line feed ends a line for other readers: what follows would be another request to them.
+      // A bare line feed ends a line for some readers: they would take the rest for another request.
       {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n0\r\n\n\r\nGET /b HTTP/1.1\r\n" + host + "\r\n", {"400"}},
       {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n2 junk\r\nab\r\n0\r\n\r\n", {"400"}},
       {"POST /a HTTP/1.1\r\n" + host + chunked + "\r\n2 \t;x\r\nab\r\n0\r\n\r\n", {"POST /a ab", "nothing"}},

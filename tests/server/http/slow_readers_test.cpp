@@ -1,4 +1,4 @@
-// Streams whose readers are behind: their runs lend their places to others, and go on when there is room.
+// Streams with slow readers: their runs lend their places to others, and go on when there is room.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -34,7 +34,7 @@ class SlowReaders : public testing::Test {
     service = std::make_unique<Service>(settings, page_assets);
     ASSERT_FALSE(service->start());
   }
-  // Megabytes of which nothing is read but what the system takes.
+  // read_slowly() requests megabytes, of which nothing is read but what the system buffers.
   Client& read_slowly(const std::string& path, const std::string& body) {
     slow.emplace_back(service->port(), nullptr, tight_buffer)
         .send(post(path, body, "Accept: application/x-ndjson\r\n"));
@@ -57,7 +57,7 @@ class SlowReaders : public testing::Test {
   }
   void others_are_served() const {
     for (int i = 0; i < 3; ++i) {
-      await("running", 0);  // the one before gives its place back a little after its answer
+      await("running", 0);  // the run before gives its place back a little after its answer
       const auto request = post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":10}})");
       EXPECT_EQ(ask(service->port(), request).status, 200) << i;
     }
@@ -88,7 +88,7 @@ TEST_F(SlowReaders, HoldNoPlace) {
   await("running", 0);
 }
 
-// Who was parked begins again beside others who ask all the time.
+// A parked run goes on beside others that ask all the time.
 TEST_F(SlowReaders, ComeToTheirEndBesideABusyCrowd) {
   start(1);
   Client& client = simulate_slowly();
@@ -123,7 +123,7 @@ TEST_F(SlowReaders, OfStudiesAndEnsemblesHoldNoPlaceEither) {
   others_are_served();
 }
 
-// There are threads for so many that wait. A further one ends, and says so.
+// There are threads for a limited number of waiting runs. A further one ends, and says so.
 TEST_F(SlowReaders, BeyondABoundEnd) {
   start(1);
   constexpr int most = 32;
@@ -151,7 +151,7 @@ TEST_F(SlowReaders, ThatHangUpAreForgotten) {
   await("cancelled_total", 1);
 }
 
-// Runs that wait for their clients do not hold up the end of the service beyond its grace by much.
+// Runs that wait for their clients do not delay the end of the service much beyond its grace.
 TEST_F(SlowReaders, DoNotHoldUpTheEnd) {
   settings.grace = 0.3;
   start(1);

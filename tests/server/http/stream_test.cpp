@@ -1,4 +1,4 @@
-// Answers that are computed or written while they are sent, to clients of every pace; and what ends their computation.
+// Answers that are computed or written while they are sent, to clients of every speed; and what ends their computation.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -37,7 +37,7 @@ class Stream : public testing::Test {
     const auto error = server->start();
     ASSERT_FALSE(error) << *error;
   }
-  // One whose pieces say nothing of its end.
+  // serve_stream() serves a stream that adds nothing at its end.
   void serve_stream(const std::function<bool(const Write&)>& pieces) {
     serve([pieces](const HttpRequest&) {
       Answer answer{200, "text/plain", {}, {}};
@@ -45,7 +45,7 @@ class Stream : public testing::Test {
       return answer;
     });
   }
-  // All that comes to one who says so, without the head.
+  // body() returns all bytes that a client with these fields receives, without the head.
   std::string body(std::string_view version = "1.1", std::string_view fields = "Connection: close\r\n",
                    bool half_closed = false) const {
     Client client(server->port());
@@ -87,7 +87,7 @@ TEST_F(Stream, OneThatBreaksOffHasNoEnd) {
   EXPECT_FALSE(asking('0').ends_by_reset());
 }
 
-// Nor has one whose client was let go.
+// A stream whose client was let go has no end either.
 TEST_F(Stream, OneThatIsCutOffHasNoEnd) {
   settings.bounds.stall = 200ms;
   const auto ended = std::make_shared<std::atomic<bool>>(false);
@@ -102,7 +102,7 @@ TEST_F(Stream, OneThatIsCutOffHasNoEnd) {
   EXPECT_TRUE(deaf.ends_by_reset());
 }
 
-// It waits for a client that reads nothing only as long as it is not at its end.
+// A stream waits for a client that reads nothing only as long as it is not at its end.
 TEST_F(Stream, TheEndIsNotWaitedFor) {
   settings.bounds.stall = settings.bounds.drip = 60s;
   const auto ended = std::make_shared<std::atomic<int>>(0);
@@ -141,7 +141,7 @@ TEST_F(Stream, WhatIsWrittenInPiecesIsWhole) {
   }
 }
 
-// Who does not read holds what is in its way, and no thread.
+// A client that does not read holds the bytes on their way, and no thread.
 TEST_F(Stream, WhatNobodyReadsIsNotWritten) {
   settings.threads = 1;
   const auto written = std::make_shared<std::atomic<std::size_t>>(0);
@@ -227,8 +227,8 @@ TEST_F(Stream, AStreamMayTakeItsTime) {
   EXPECT_TRUE(body().ends_with("0\r\n\r\n"));
 }
 
-// What is computed learns that its client hung up, before its answer and within it, while it has nothing to say; and
-// takes nobody for gone who only ended its sending.
+// A computation learns that its client hung up, before its answer and within it, while it has nothing to send. A client
+// that only ended its sending has not hung up.
 TEST_F(Stream, SeesThatTheClientWentAway) {
   constexpr auto longest = 2s;
   const auto seconds = std::make_shared<std::atomic<double>>(-1);
@@ -278,7 +278,8 @@ TEST_F(Stream, SeesThatTheClientWentAway) {
   }
 }
 
-// To look for a client sends nothing that the answer would not: also where it is compressed, or was begun to be sent.
+// The check for the client sends nothing that is not part of the answer, also where the answer is compressed or has
+// begun.
 TEST_F(Stream, LooksForTheClientWithWhatIsSentAnyway) {
   serve([](const HttpRequest&) {
     Answer answer{200, "text/plain", {}, {}};
@@ -297,7 +298,7 @@ TEST_F(Stream, LooksForTheClientWithWhatIsSentAnyway) {
   }
 }
 
-// Nor does one stay unseen that first ended its sending, and hung up later.
+// A client that first ended its sending and hung up later is noticed, too.
 TEST_F(Stream, SeesThatTheClientWentAwayInTheEnd) {
   const auto left = std::make_shared<std::atomic<bool>>(false);
   serve([left](const HttpRequest& request) {
@@ -311,7 +312,7 @@ TEST_F(Stream, SeesThatTheClientWentAwayInTheEnd) {
     client.end_sending();
     EXPECT_EQ(client.some(1), "H");
     std::this_thread::sleep_for(200ms);
-    (void)client.some();  // what was not read would tell
+    (void)client.some();  // unread bytes would cause a reset
     EXPECT_FALSE(*left);
   }
   for (const auto from = Clock::now(); !*left && Clock::now() - from < 10s;) std::this_thread::sleep_for(1ms);

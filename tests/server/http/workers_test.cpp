@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// What one thread does, of tasks that were posted while it was busy for so long.
+// order_after() returns the order in which one thread does tasks that were posted while it was busy for so long.
 std::string order_after(std::chrono::milliseconds busy, bool late_brief = false) {
   std::string order;
   std::promise<void> begun, posted;

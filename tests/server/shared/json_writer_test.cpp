@@ -24,7 +24,7 @@ std::string text(double x) {
   return out;
 }
 
-// Significant digits, without what the layout adds.
+// digits() returns the significant digits of a number, without what the layout adds.
 std::string digits(std::string_view number) {
   std::string found;
   for (const char c : number.substr(0, number.find('e'))) {

@@ -1,4 +1,4 @@
-// Who cannot see, point or read small type: axe finds nothing wrong, in no part of the page, light or dark; and keys do it all.
+// Accessibility: axe finds no violation in any part of the page, light or dark, and everything can be done by keys.
 import assert from "node:assert/strict";
 import { axeViolations } from "./axe.mjs";
 import { frames, pageTest, pane, settled } from "./browser.mjs";

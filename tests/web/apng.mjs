@@ -1,4 +1,4 @@
-// Pictures of a browser as one that moves: PNG read, APNG with a palette written. Only what has changed since the frame before
+// Joins screenshots to an animation: it reads PNG and writes APNG with a palette. Only what has changed since the frame before
 // is in a frame.
 import * as zlib from "node:zlib";
 
@@ -30,7 +30,7 @@ function paeth(a, b, c) {
   return u <= v && u <= w ? a : v <= w ? b : c;
 }
 
-/** The most frequent colours, at most 255, and where each colour of the frames is among them; the index after them is "as before". */
+/** The most frequent colours, at most 255, and the index for every colour of the frames; the next index means "unchanged". */
 function paletteOf(frames) {
   const often = new Map();
   for (const { pixels } of frames) for (const pixel of pixels) often.set(pixel, (often.get(pixel) ?? 0) + 1);

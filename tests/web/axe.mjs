@@ -1,4 +1,4 @@
-// What axe finds wrong on a page, by all of its rules or by `some`: the rule, and where.
+// The violations that axe finds on a page, by all of its rules or by `some`: each with its rule and place.
 import { readFileSync } from "node:fs";
 
 const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");

@@ -2,7 +2,7 @@
 //   LEAST_BINARY      the program (required)
 //   LEAST_BROWSER     a Chromium; else the first one found on the PATH
 //   LEAST_PAGE        a folder whose files stand for those that the program holds, to test the page without building it
-//   LEAST_SLOW        milliseconds by which frames, and up to three times which answers come later, as where much else goes on
+//   LEAST_SLOW        milliseconds by which frames are delayed, and answers by up to three times that, as on a busy machine
 //   LEAST_SCREENSHOTS a folder for pictures of every lesson and of the workbench, on screens of four sizes, light and dark
 // Without a browser the tests are skipped, loudly; under CI that is a failure.
 import assert from "node:assert/strict";
@@ -52,7 +52,7 @@ const listening = (opened) => opened.addInitScript(() =>
     dataset.times = Number(dataset.times ?? 0) + 1;
   }));
 
-/** Makes frames and answers late: a test that reads what is not there yet then fails always, and not on some days. */
+/** Makes frames and answers late, so that a test that reads too early fails always, and not by chance. */
 const slowed = (opened, by) => opened.addInitScript((late) => {
   const frame = window.requestAnimationFrame.bind(window), ask = window.fetch, dropped = new Set();
   let asked = 0;
@@ -140,12 +140,12 @@ export function pageTest(name, { hash = workbench, ready = "#results[aria-busy=f
   });
 }
 
-/** Until what was asked for has been drawn, however slow the machine is. */
+/** Waits until everything requested has been drawn, however slow the machine is. */
 export const frames = (page) =>
   page.evaluate(async () => {
     for (let i = 0; i < 2; i++) await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
   });
-/** Until `value()` is something that `good` likes; after a minute, which is what a slow machine may take, a fault that says what it is instead. */
+/** Waits until `good(value())` holds; after a minute, which a slow machine may take, fails with the value there is instead. */
 export async function becomes(value, good) {
   for (const late = Date.now() + 60_000;;) {
     const now = await value();

@@ -173,7 +173,7 @@ export const claims = {
   },
 };
 
-/** How wide each member of a portrait is. */
+/** The width of each member of a portrait in x. */
 function widths({ member, x }) {
   const ends = new Map();
   member.forEach((m, i) => {

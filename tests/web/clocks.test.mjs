@@ -1,4 +1,4 @@
-// Schemes that set their own clock, on the page: made-up ones that meet every shape, then those that the program has.
+// Schemes that choose their own steps, on the page: made-up ones of every shape, then those of the program.
 import assert from "node:assert/strict";
 import { all, drawn, frames, number, pageTest, pane, plane, settled, statuses } from "./browser.mjs";
 import { enter, madeUp, scene, variable } from "./made.mjs";

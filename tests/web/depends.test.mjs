@@ -84,7 +84,7 @@ pageTest("of a scene as text: entries of lists, and the times of its events", { 
   assert.equal(await fieldAt(page, "/tangent/shift").inputValue(), "", "the neighbours' distance is chosen");
 });
 
-// From q = 1.2 the spring is at 1.2 cos t, and the prediction is exact: where the curves begin, the colour of the upper neighbours
+// From q = 1.2 the spring is at 1.2 cos t, and the prediction is exact: at the start the colour of the upper neighbours
 // is seen at one height only.
 pageTest("what is predicted lies on the neighbours where the motion is linear", { hash: spring.replace(/&tangent.*/, "&tangent.shift=0.2&tangent.count=2&tangent.y=q") }, async (page) => {
   await differentiate(page, /neighbour/);

@@ -7,8 +7,8 @@ import { lessons } from "../../web/lessons/lessons.js";
 const calm = { reducedMotion: "reduce", locale: "de-DE" };
 const lesson = { ...calm, hash: "#lesson=orbit", ready: "#lesson[aria-busy=false]" };
 
-// Words that German has not. What bears them and is no text of the page: formulas, programs, references, what the service says
-// of a run.
+// Words that do not exist in German. They may occur outside the texts of the page: in formulas, programs, references, messages of the
+// service about a run.
 const english = new RegExp(`(?<!\\p{L})(${("the,of,and,with,is,are,from,to,at,by,for,that,which,its,it,as,on,over,not,be,has,no,time,energy,force,forces,evaluations,error,step," +
   "steps,scheme,schemes,order,play,speed,add,remove,save,runs,start,starts,end,last,first,each,what,where,how,when,of your own,show,all,other,none,default," +
   "completed,stopped,angular,momentum,mean,explicit,implicit,symmetric,kinetic,floor,residual,converged,cycles,potential energy,copy,copied,leave,present,measure,search,compute,member").split(",").join("|")})(?!\\p{L})`, "iu");
@@ -34,7 +34,7 @@ async function assertGerman(page, where) {
   assert.deepEqual(wrong, [], where);
 }
 
-/** What is wider than its place: words that are cut off, and a page that scrolls sideways. */
+/** Elements wider than their place: words that are cut off, and a page that scrolls sideways. */
 const cut = (page) => page.evaluate(() => {
   const { scrollWidth, clientWidth } = document.documentElement, seen = [...document.querySelectorAll("button, label > span, th, td, h2, p, legend, summary, figcaption, #look")];
   const wide = seen.filter((node) => node.checkVisibility() && !node.closest(".scroll, .lens, #comparison, #axes, .unseen") && node.scrollWidth > node.clientWidth + 2 &&

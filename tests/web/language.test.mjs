@@ -58,7 +58,7 @@ test("names of the lessons are texts or formulas", () => {
   for (const key of Object.keys(en).filter((one) => one.startsWith("term."))) assert.ok(found.includes(key.slice(5)), `nobody uses ${key}`);
 });
 
-// Who adds a problem or a scheme adds no German: it then stands in the service's words. But what is begun is finished.
+// A problem or scheme may lack German texts, and is then shown in the service's words; but if it has some it must have all.
 pageTest("what the catalogue says has a text in every other language", { hash: "", ready: "#lesson[aria-busy=false]" }, async () => {
   const german = Object.keys(JSON.parse(read("language/de.catalogue.json")));
   const [problems, schemes] = ["problem", "scheme"].map((kind) => {

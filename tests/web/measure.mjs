@@ -17,7 +17,7 @@ async function pictured(page, address) {
   return Number(await page.getAttribute("html", "data-at"));
 }
 
-/** From moves of the control of a lesson by hand, each to a place of its own, to the pictures; none where there is nothing to move. */
+/** The times from moving the control of a lesson, each time to another place, to its pictures; none for a lesson without control. */
 const moved = (page) => page.evaluate(async () => {
   const lesson = document.querySelector("#lesson"), track = lesson.querySelector("#control input[type=range]"), found = [];
   const way = Number(track?.value) > 500 ? -7 : 7;

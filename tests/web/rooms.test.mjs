@@ -1,5 +1,5 @@
-// Which room of the page may use which: its folders lead from what asks the service up to what a reader sees, and no import
-// leads back. A module is short enough to be read at once.
+// Which folder of the page may import which: folders lead from those that ask the service up to those that a reader sees, and
+// no import leads back. Modules are short enough to be read at once.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync, readdirSync } from "node:fs";
 import { dirname, join, normalize } from "node:path";
@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 
 const page = process.env.LEAST_PAGE ?? fileURLToPath(new URL("../../web/", import.meta.url));
-/** Every room with those below it that it may use; in "." stands what joins them. */
+/** Every folder with those below it that it may import; "." has what joins them. */
 const base = ["language", "service", "forms"], seen = [...base, "catalogue", "drawing"];
 const rooms = { language: [], service: ["language"], forms: ["language"], catalogue: base, drawing: base, own: base, studies: seen, lessons: seen,
                 workbench: [...seen, "own", "studies"], ".": [...seen, "lessons", "workbench"] };

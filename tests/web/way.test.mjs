@@ -1,4 +1,4 @@
-// Links carry events that act, and the way back: from a lesson into the workbench, and from one reader to another.
+// Links contain events that act, and the way back of a run: from a lesson into the workbench, and from one reader to another.
 import assert from "node:assert/strict";
 import { eventsOf, happeningsText } from "../../web/service/happenings.js";
 import { test } from "node:test";

@@ -2,15 +2,15 @@
 import { spelled, text } from "../language/texts.js";
 import { words } from "../forms/forms.js";
 
-/** The variables of the motion. The optional ones are only ways to start it, and are neither asked for nor drawn. */
+/** The variables of the motion. The optional ones are only alternative ways to start it, and are neither requested nor drawn. */
 export const motion = (problem) => problem.variables.filter((variable) => !variable.optional);
 
-// What changes with the time alone, among the scenes of the catalogue, whose cards do not say so.
+// The scenes of the catalogue that depend on time, because their cards do not say so.
 const timed = ["driven_oscillator", "modulated_oscillator", "spin_orbit", "perturbed_kepler", "lane_emden"];
-/** Whether the time alone changes nothing in a scene. */
+/** Whether the equations of motion of a scene do not depend on time. */
 export const isAutonomous = ({ id, form }) => form?.autonomous ?? !timed.includes(id);
 
-/** Whether a scene has more variables than anybody would choose among: of those, only what is drawn is asked for. */
+/** Whether a scene has more variables than anybody would choose among: then only those that are drawn are requested. */
 const crowded = (problem) => motion(problem).length > 64;
 
 /**
@@ -33,7 +33,7 @@ const openings = {
   lorenz: { until: 40 }, // both wings
   lane_emden: { x: "t", y: "q" }, spin_orbit: { x: "t", y: "p" }, cosmological_oscillator: { x: "q", y: "s" },
 };
-/** The scheme that a problem begins with, where one of those that keep its structure step by step fits it; of equations given as text nobody sees that. */
+/** The scheme that a problem begins with: one that keeps its structure, if one fits; for equations as text that is unknown. */
 export const usualScheme = ({ id, schemes, columns }) => [
   openings[id]?.scheme, "leapfrog", "contact_leapfrog",
   columns.includes("energy") ? "lifted_splitting" : !schemes.includes("contact_splitting") && "runge_kutta_4",
@@ -54,10 +54,10 @@ export function cards(problem, preset = { parameters: {}, initial: {} }) {
            initial: given([...problem.variables, start], preset.initial) };
 }
 
-/** The parameters that say how fine a run is: `refine` divides those that are suggested. A preset's are taken as given. */
+/** The parameters that determine how fine a run is: `refine` divides the suggested values. Those of a preset are taken as given. */
 export const fineness = ["step", "theta", "sigma", "tolerance"];
 
-/** What auto is asked for, to begin with. */
+/** The initial accuracy for `auto`. */
 const accuracy = "1e-6";
 
 /** A scheme's parameters, with the problem's suggestions and then a preset's values for defaults. */
@@ -71,7 +71,7 @@ export function schemeCards(scheme, { suggested = {} }, preset, refine) {
   });
 }
 
-/** A few words that tell a scheme with its settings from another: with a preset, that says most of them. */
+/** A few words that distinguish a scheme and its settings from others; a preset stands for most of the settings. */
 export function title({ parameters }, scheme) {
   const preset = scheme.preset !== "default" && scheme.preset;
   const chosen = ({ name, type, default: usual }) => name !== "composition" && name in scheme && scheme[name] !== usual &&
@@ -84,28 +84,28 @@ export function title({ parameters }, scheme) {
           ...sizes.map(({ name, symbol }) => `${symbol || words(name)} = ${spelled(shortest(scheme[name]))}`)].join(", ");
 }
 
-/** Digits that nobody chose are not shown. */
+/** A value without digits that nobody chose. */
 const shortest = (value) => (String(value).length > 12 && Number.isFinite(value) ? Number(value.toPrecision(4)) : value);
 
-/** The scheme's presets as the options of a select; the first is what no preset is. */
+/** The scheme's presets as the options of a select; the first option stands for no preset. */
 export function schemePresets({ presets }) {
   const offered = presets.map(({ name }) => ({ id: name, title: words(name) }));
   const first = offered.find(({ id }) => id === "default") ?? { id: "", title: text("preset.default") };
   return [first, ...offered.filter((option) => option !== first)];
 }
 
-/** What there is to see of the energy: its "error" where the motion keeps it, else its "value", or "none" at all. */
+/** What is shown of the energy: its "error" where the motion conserves it, else its "value", or "none". */
 export function energyKind({ columns, invariants, form }) {
   if (!columns.includes("energy")) return "none";
   return form?.keeps_energy || invariants.some((invariant) => invariant.name === "energy") ? "error" : "value";
 }
 
-/** The columns to ask for, with `more` and `own` ones: of schemes that set their own clock, also how each sample was reached. */
+/** The columns to ask for, with `more` and `own` ones: for schemes that choose their own steps also how each sample was reached. */
 export const columns = (problem, scheme, more = [], own = []) => [...new Set([
   "t", ...(crowded(problem) ? [] : motion(problem).map((variable) => variable.name)), ...(energyKind(problem) === "none" ? [] : ["energy"]),
   ...(scheme?.own_clock && problem.columns.includes("mode") ? ["mode"] : []), ...more.filter((name) => problem.columns.includes(name))]), ...own];
 
-/** Those of its diagnostics that the page shows, few of which a run `backward` has: the others cost more than the run itself. */
+/** The diagnostics of a problem that the page shows (others cost more than the run itself); a run `backward` has few of them. */
 export const diagnostics = (problem, backward = false) =>
   ["energy", "momenta", ...(backward ? [] : ["orbit", "decay", "entropy", "zeros", "cycle"])].filter((kind) => problem.diagnostics.includes(kind));
 

@@ -1,9 +1,9 @@
-// What the names of variables say: those that differ by an index alone, x1, x2 or x[1], x[2], are of one kind, and a scene has
+// Names of variables that differ only by an index, x1, x2 or x[1], x[2], are of one kind, and a scene has
 // one of them for each of its bodies or for each link of a chain.
 import { motion } from "./card.js";
 import { statedViews } from "./stated.js";
 
-/** The axis of a chain: the places in it. */
+/** The axis of a chain: the position of its members in the chain. */
 export const index = "index";
 
 /** The variables of a scene by kind, `x*` → [x1, x2], as far as there are several of a kind. */
@@ -44,13 +44,13 @@ export function isEqual(axes, problem) {
     bodiesOf(axes, kindsOf(problem)).every((names) => names.every((name) => moving.includes(name)));
 }
 
-/** What an axis stands for: the columns of its kind, or one. */
+/** The columns that an axis stands for: those of its kind, or one. */
 export const columnsOf = (axis, kinds) => kinds.get(axis) ?? (axis === index ? [] : [axis]);
 
 /** The columns that some axes need. */
 export const drawnOf = (axes, kinds) => axes.flatMap((axis) => columnsOf(axis, kinds));
 
-/** The columns that are drawn over each other on some axes, for each body or once. */
+/** The columns that are drawn against each other on some axes, for each body or once. */
 export function bodiesOf(axes, kinds) {
   const columns = axes.map((axis) => columnsOf(axis, kinds)), several = columns.filter((names) => names.length > 1);
   const bodies = several.length ? Math.min(...several.map((names) => names.length)) : 1;

@@ -5,10 +5,10 @@ import { bodiesOf, kindsOf } from "./kinds.js";
 const along = 4000; // states along a curve, more than a screen can tell apart
 
 /**
- * The record of a run over a `span`, of `most` states. Every N-th step: what is drawn are states the scheme was in; N cannot
- * be said of a scheme that sets its own clock. Where that would leave steps out and the motion comes back for ever, or has no
- * energy to be seen over time, the states lie evenly along its curve: at equal times they would be rare where it is fast, and cut
- * its corners.
+ * The record of a run over a `span`, of at most `most` states: every N-th step, so that the drawn states are the scheme's own.
+ * N is unknown for a scheme that chooses its own steps. Where steps would be left out, and either the motion conserves its
+ * energy and the scheme keeps a structure, or there is no energy to plot, states lie evenly along the curve: at equal times
+ * they would be rare where the motion is fast, and cut its corners.
  */
 export function recordOf({ problem, axes, log }, card, { step }, span, most) {
   const every = card?.own_clock ? NaN : Math.max(1, Math.ceil(span / step / most));

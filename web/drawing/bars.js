@@ -1,8 +1,8 @@
-// The energy of bodies as bars: what is kinetic, what potential, and what was lost since the start, of each run in its colour.
+// The energy of bodies as bars in the colour of each run: kinetic, potential, and lost since the start.
 import { text } from "../language/texts.js";
 
 const square = (v) => v * v;
-/** The kinetic and the potential energy of a state, the latter zero where the body could rest. */
+/** The kinetic and the potential energy of a state; the latter is zero at the equilibrium. */
 const energies = {
   pendulum: ({ q, p }, { gravity = 1, length = 1 }) => [square(p) / 2, (gravity / length) * (1 - Math.cos(q))],
   spring: ({ q, p }, { mass = 1, stiffness = 1 }) => [square(p) / 2 / mass, (stiffness * square(q)) / 2],

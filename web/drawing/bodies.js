@@ -1,4 +1,4 @@
-// Scenes that people know by sight, as bodies: what a state looks like. One canvas holds those of all runs.
+// Drawings of well-known scenes as bodies in a given state. One canvas shows the bodies of all runs.
 import { bars, energyOf } from "./bars.js";
 import { extent, valueAt } from "./mapping.js";
 import { drawStated, fitting } from "./stated.js";
@@ -67,7 +67,7 @@ export const bodyOf = ({ id }) => ({
   spin_orbit: "moon", kepler: "planet", kepler_3d: "planet", damped_kepler: "planet", perturbed_kepler: "planet",
 }[id]);
 
-/** The map of places of planets and their sun into the square; of a run that flees not more than twice the smallest is seen. */
+/** The map of positions of planets and their sun into the square. An escaping run is cut at twice the smallest extent of a run. */
 function placing(runs) {
   const withSun = ([low, high]) => [Math.min(0, low), Math.max(0, high)];
   const ends = ["x", "y"].map((name) => runs.map(({ trajectory }) => withSun(extent(trajectory[name]))));

@@ -1,6 +1,6 @@
-// Multipliers of a closed orbit in the complex plane, about the unit circle: what lies on it stays near, what lies outside grows
-// with every round. The distance from zero is drawn as 2 √r / (1 + √r), which is 1 on the circle and below 2 for any multiplier;
-// a number and its inverse lie as far from the circle.
+// Multipliers of a closed orbit in the complex plane with the unit circle: deviations with a multiplier on it stay small,
+// those with one outside grow with every round. The distance from zero is drawn as 2 √r / (1 + √r), which is 1 on the circle
+// and below 2 for any multiplier; a number and its inverse have the same distance from the circle.
 import { spelled } from "../language/texts.js";
 
 const drawn = (r) => (2 * Math.sqrt(r)) / (1 + Math.sqrt(r));

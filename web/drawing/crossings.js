@@ -57,7 +57,7 @@ export class Crossings {
     this.draw();
   }
 
-  /** Adds what a line of the service brings, to be seen in the next frame; how many points there are. */
+  /** Adds the points in a line of the service, to be drawn in the next frame; returns how many points there are. */
   add({ section }) {
     if (!this.#asked.x) return 0; // of an answer that nobody awaits any more
     this.blocks.push({ member: section.member, x: section[this.#asked.x], y: section[this.#asked.y] });

@@ -4,7 +4,7 @@ import { Plane } from "./plane.js";
 
 const shades = 256, stopped = 0xff808080; // opaque grey, as a canvas holds it in memory
 
-/** The rectangle of starts that a request is of. */
+/** The rectangle of starts of a request. */
 export function rectangleOf({ columns: [colour], members: { vary } }) {
   const [[x, { grid: [left, right, side] }], [y, { grid: [low, high] }]] = Object.entries(vary);
   const name = (pointer) => pointer.replace("/initial/", "");
@@ -24,7 +24,7 @@ export class Ends {
     this.#state = new Uint8Array(n * n);
   }
 
-  /** What a line of the service brings. */
+  /** Adds the ends in a line of the service. */
   add({ first, members, final }, column) {
     this.#state.fill(2, first, first + members);
     final.index.forEach((member, k) => {
@@ -60,7 +60,7 @@ export class Ends {
   }
 }
 
-/** Where the pixels of a rectangle of starts end, across and up: each lies about its start. */
+/** The edges of the pixels of a rectangle of starts, across and up: each pixel is centred at its start. */
 function edges({ left, right, low, high, side: n }) {
   const half = (from, to) => (n > 1 ? (to - from) / (n - 1) / 2 : 0.5);
   return [[left, right], [low, high]].map(([from, to]) => [from - half(from, to), to + half(from, to)]);
@@ -86,7 +86,7 @@ export class EndsPicture {
     this.#taken = taken;
   }
 
-  /** Awaits `side` × `side` runs from `left` to `right` in x and `low` to `high` in y, `over` those so far; nothing: forgets all. */
+  /** Awaits `side` × `side` runs from `left` to `right`, `low` to `high`, `over` the present ones; without `asked` none. */
   start(asked = null, over = false) {
     this.#below = over && this.ends ? { asked: this.#asked, ends: this.ends } : null;
     this.#asked = asked;
@@ -94,7 +94,7 @@ export class EndsPicture {
     this.draw();
   }
 
-  /** Adds what a line of the service brings of that column, to be seen in the next frame. */
+  /** Adds the ends in that column of a line of the service, to be drawn in the next frame. */
   add(line, column) {
     this.ends.add(line, column);
     if (this.ends.known >= this.ends.n ** 2) this.#below = null;

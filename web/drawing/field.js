@@ -1,4 +1,4 @@
-// What lies behind the curves of a portrait: the level curves of a function, and where a motion rests. Both are made of values
+// The background of a portrait: the level curves of a function, and the equilibria of the motion. Both are computed from values
 // on a grid of n × n places, the member at column i and row j being i·n + j, as an ensemble over two grids answers.
 import { text } from "../language/texts.js";
 
@@ -20,13 +20,13 @@ export function levelCurve(values, n, level) {
   return pieces;
 }
 
-/** Levels that a picture shows: as many places lie between one and the next. */
+/** The levels that a picture shows, with equally many grid points between one and the next. */
 export function levelsOf(values, count) {
   const sorted = values.filter(Number.isFinite).sort((a, b) => a - b);
   return sorted.length ? Array.from({ length: count }, (_, k) => sorted[Math.floor(((k + 0.5) / count) * sorted.length)]) : [];
 }
 
-/** What a rest is by the slopes of the velocity about it, their sum `trace` and their `determinant`; where a level is `kept` nothing spirals. */
+/** The kind of an equilibrium by `trace` and `determinant` of its linearization; where a level is `kept` it is no spiral. */
 function kindOf(trace, determinant, kept) {
   if (determinant < 0) return "saddle";
   const turn = trace / (2 * Math.sqrt(determinant)); // within −1 and 1 it goes round
@@ -35,8 +35,8 @@ function kindOf(trace, determinant, kept) {
 }
 
 /**
- * Where the velocity (`u`, `v`) is zero, `[{x, y, kind}]` in units of the grid, whose cells are `across` wide and `up` high: within a
- * cell it is taken to be bilinear.
+ * The zeros of the velocity (`u`, `v`), `[{x, y, kind}]` in units of the grid, whose cells are `across` wide and `up` high: within a
+ * cell the velocity is interpolated bilinearly.
  */
 export function restsOf(u, v, n, { across = 1, up = 1, kept = false } = {}) {
   const found = [];
@@ -107,7 +107,7 @@ function drawArrows(pen, map, n, u, v, at) {
   pen.stroke();
 }
 
-/** The mark of a rest: a cross of a saddle, a disc of what comes to rest, a ring of what leaves it, a ring with a dot of a centre. */
+/** The mark of an equilibrium: a cross for a saddle, a disc if it attracts, a ring if it repels, a ring with a dot for a centre. */
 function markRest(pen, [left, top], kind) {
   pen.beginPath();
   if (kind === "saddle") for (const side of [-1, 1]) {
@@ -127,7 +127,7 @@ const few = 9; // rests whose names have room
 
 /**
  * The backdrop of a field `{x: [low, high], y: [low, high], n, level?, u, v, arrows, kept, parts}`: curves of the `level`, where
- * it `parts` motions those through saddles broad, the velocities as `arrows`, and every rest with its mark and the name of its kind.
+ * it `parts` motions those through saddles broad, the velocities as `arrows`, and every equilibrium with its mark and kind.
  */
 export function fieldPicture({ x: [left, right], y: [low, high], n, level, u, v, arrows, kept, parts }) {
   const across = (i) => left + ((right - left) * i) / (n - 1), up = (j) => low + ((high - low) * j) / (n - 1);

@@ -34,7 +34,7 @@ export function extent(values) {
 }
 
 /**
- * One view `{x: [low, high], y: [low, high], free}` for all curves: the box around them, but a run that flees does not
+ * One view `{x: [low, high], y: [low, high], free}` for all curves: the box around them, but an escaping run does not
  * shrink the others beyond half. All is seen on the axes that are `whole`. Scales are equal, unless they are `free`: a time
  * has no length to compare with, and of a curve ten times as long as it is wide nothing would be seen.
  */

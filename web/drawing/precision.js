@@ -10,7 +10,7 @@ const dashes = [[], [8, 4], [2, 3], [12, 3, 2, 3]], borders = ["solid", "dashed"
 
 const reach = 30; // pixels from which a point is pointed at
 
-/** The points `[cost, error]` that no cheaper one beats, from cheap to dear. */
+/** The points `[cost, error]` whose error is below that of every cheaper point, in the order of cost. */
 export function front(points) {
   const best = [];
   for (const point of points.toSorted(([a, e], [b, f]) => a - b || e - f)) {

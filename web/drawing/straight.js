@@ -1,4 +1,4 @@
-// Which points of a curve need no corner of their own: those that lie on the straight way between others, as the eye sees it.
+// Finds the points of a curve that need no corner of their own: those visibly on the straight line between others.
 
 const eye = 0.3; // pixels that nobody sees
 
@@ -6,7 +6,7 @@ export class Straight {
   #left = 0; // the last corner
   #top = 0;
   #far = 0; // how far the way has come from there, squared
-  // Between two directions, from the right one to the left one, lie the straight ways that pass all points since.
+  // The straight lines from the corner that pass all later points lie between two directions, the right one and the left one.
   #rightX = 0;
   #rightY = 0;
   #leftX = 0;

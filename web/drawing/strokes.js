@@ -1,10 +1,10 @@
-// What a picture is made of, on a canvas: its frame with ticks, curves, marks.
+// The parts of a picture on a canvas: its frame with ticks, curves, marks.
 import { format, multiples, powerOfTen, roundStep, tickLabel } from "../forms/numbers.js";
 import { indexAt, valueAt } from "./mapping.js";
 import { Straight } from "./straight.js";
 
 const there = (v) => v !== null;
-// What lies far outside is pulled to where clipping still sees the right direction: a canvas cannot draw at 1e300.
+// Moves points far outside to where clipping still has the right direction, because a canvas cannot draw at 1e300.
 const far = (pixel) => Math.max(-1e6, Math.min(1e6, pixel));
 
 /** The marks of an axis: where, and what they say. */
@@ -196,7 +196,7 @@ export function trace(pen, map, curve, colour, { width, faint = false }) {
   mark(pen, map, x[first], y[first], colour("--paper"), ink);
 }
 
-/** Where a curve leaves the frame it is marked by a triangle at the edge, once in 12 pixels. */
+/** Marks the places where a curve leaves the frame by triangles at the edge, at most one in 12 pixels. */
 export function clippings(pen, frame, map, { x, y, colour: name }, colour) {
   const right = frame.left + frame.width, bottom = frame.top + frame.height, seen = new Set();
   pen.fillStyle = colour(name);
@@ -221,7 +221,7 @@ export function clippings(pen, frame, map, { x, y, colour: name }, colour) {
   return seen.size;
 }
 
-/** A run as it is at time t: where it is, `{left, top}`, or null where it is not, and the way that it has come of late. */
+/** Draws a run at time t with its recent path; returns its place `{left, top}`, or null where it has none. */
 export function head(pen, map, curve, t, colour, { width }) {
   const { t: times, x, y } = curve;
   if (!times || t < Math.min(times[0], times.at(-1))) return null;

@@ -18,8 +18,8 @@ export const tidy = (value, { low, high, log }) => {
 };
 
 /**
- * The range of a card: some decades about a positive default whose bounds lie far apart, else as far below and above zero as
- * the default, twice; within what the service allows.
+ * The range of a card: some decades about a positive default whose bounds lie far apart, else twice the default below and above zero;
+ * within what the service allows.
  */
 export function rangeOf({ default: usual, minimum, maximum }) {
   const least = minimum ?? -Infinity, most = maximum ?? Infinity, size = Math.abs(usual) || 1;

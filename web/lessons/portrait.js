@@ -25,8 +25,8 @@ function each({ surface, ...request }) {
 }
 
 /**
- * Less of the same, for a picture at once: an eighth of the span, half the starts on a surface; of ends, starts among those of the
- * whole, some eighty a side.
+ * A smaller request for a quick picture: an eighth of the span, half the starts on a surface; for ends, some eighty starts a side
+ * among those of the whole request.
  */
 function coarsened({ until, keep, members, surface, ...request }) {
   if (surface) return { ...request, keep, until: { t: until.t / 8 }, surface: { ...surface, starts: surface.starts / 2 } };
@@ -69,8 +69,8 @@ export class Portrait {
   }
 
   /**
-   * Runs all members; rejects when it was stopped. `seen()` hears when each request has brought some of its points. Of ends a coarse
-   * picture comes first, over which the fine one appears; while a hand `moves`, what is coarse is all.
+   * Runs all members; rejects when it was stopped. `seen()` is called when every request has brought some points. For ends a coarse
+   * picture comes first, over which the fine one appears; while a hand `moves`, there is only the coarse one.
    */
   async run(asked, signal, seen, moves = false) {
     if (this.#ends || moves) await this.#follow(coarsened(asked), signal, seen);
@@ -79,7 +79,7 @@ export class Portrait {
     this.outcome = this.#ends ? { ends: [...(this.#ends.ends?.values ?? [])] } : { member: all("member"), x: all("x"), y: all("y") };
   }
 
-  /** Runs the members of what is asked, which are drawn as they come; over what is seen already where nobody is to hear of it. */
+  /** Runs the members of a request, which are drawn as they come; without `seen` they are drawn over the present picture. */
   async #follow(asked, signal, seen) {
     const requests = each(asked), begun = new Set();
     let cut = "", wrong = "";

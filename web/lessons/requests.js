@@ -34,8 +34,8 @@ export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? 
 }
 
 /**
- * `ask(request, signal)` for a lesson whose control moves some of its runs: of the others the answers stay, where they have as many
- * samples. A dozen are kept, those that were used last.
+ * `ask(request, signal)` for a lesson whose control changes some of its runs: the answers of others are reused if they have as many
+ * samples. The dozen used last are kept.
  */
 export function remembering(ask) {
   const kept = new Map(); // by request without its record: {size, answer}

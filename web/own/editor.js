@@ -35,7 +35,7 @@ function spoken({ name, problem, ...example }) {
   return { ...example, name, title, note, problem: { ...problem, ...(problem.title ? { title } : {}) } };
 }
 
-/** What a formula of a kind is of. */
+/** The left side of a formula of a kind: its name with the variables it depends on. */
 function heading(kind, coordinates) {
   const q = coordinates.map(({ name }) => name), of = (letter) => q.map((name) => letter + name.replace(/^q/, ""));
   if (kind === "equations") return text("own.rates");
@@ -261,7 +261,7 @@ export class Editor {
   }
 }
 
-/** What a scene of one's own begins with that is no example: the least that runs. */
+/** The initial text of a scene of one's own that is not an example: the shortest that runs. */
 const blank = { title: text("own.blank"), problem: { variables: ["x"], lagrangian: "vx^2/2" }, initial: { x: 0, px: 1 }, until: { t: 10 }, axes: { x: "t", y: "x" } };
 
 /** A card as it is, or where its motion is singular at 0 with the coordinates that the service says it can begin at. */

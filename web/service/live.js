@@ -1,4 +1,4 @@
-// Requests that follow a hand: one in flight, and of those that came meanwhile the newest alone is asked next.
+// Requests that follow a hand: one is in flight, and only the newest of those that came meanwhile is asked next.
 
 /** `answer(question, signal)` resolves to what `show(answer, question)` takes. */
 export class Live {

@@ -1,4 +1,4 @@
-// Scenes as text: what is typed, as it stands in a request, in the fields and in a link; where in a text a fault is.
+// Scenes as text: conversions between the typed fields, a request and a link; and the place of a fault in a text.
 import { text as message } from "../language/texts.js";
 
 export const custom = "custom";
@@ -102,13 +102,13 @@ export function unlinked(section) {
   return kind ? { kind, ...Object.fromEntries(texts), formula: section[kind] } : null;
 }
 
-/** What is set by hand beside a text: values that are not those of the text. */
+/** The values set by hand beside a text that differ from those of the text. */
 export const overrides = ({ parameters = {} }, values) => Object.fromEntries(Object.entries(values).filter(([name, value]) => {
   const [, list, i] = /^(.+)\[(\d+)\]$/.exec(name) ?? [];
   return value !== (list ? parameters[list]?.[i - 1] : parameters[name]);
 }));
 
-/** Of the values that are `set` by hand beside a text, those of parameters that another text gives alike. */
+/** Those of the values `set` by hand beside a text whose parameters have the same value in the new text as `before`. */
 export function kept(before, { parameters = {} }, set) {
   const same = Object.entries(parameters).filter(([name, value]) => name in set && before?.parameters?.[name] === value);
   return Object.fromEntries(same.map(([name]) => [name, set[name]]));

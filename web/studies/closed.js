@@ -33,9 +33,9 @@ function cardsOf(problem) {
 }
 
 /**
- * Where a run comes back to, and after what time, `{at, period}`: the guess of a closed orbit. That is near its start, where it is
- * seen to come back there; else, as on an attractor, at the state to which it comes back nearest; null: it never does.
- * Distances are in parts of how far each variable goes.
+ * The guess of a closed orbit, `{at, period}`: the state to which a run comes back, and after what time. It is the start, if the run
+ * comes back there; else, as on an attractor, the state to which the run comes back most closely; null: it never comes back.
+ * Distances are relative to the extent of each variable.
  */
 function returnOf({ t, ...columns }, names) {
   const sizes = names.map((name) => extent(columns[name]).reduce((low, high) => high - low) || 1);
@@ -58,7 +58,7 @@ function returnOf({ t, ...columns }, names) {
   return { at: i, period: Math.abs(t[j] - t[i]) };
 }
 
-/** How long it takes for what leaves an orbit to be seen, or where nothing does, backward, for what comes to it; null: for ever. */
+/** The time until trajectories that leave an orbit are seen apart from it, or else, backward, those that approach it; null: never. */
 function reachOf({ period, multipliers }) {
   const rates = multipliers.filter(({ kind }) => /hyperbolic$/.test(kind)).map(({ modulus }) => Math.log(modulus));
   const rate = Math.max(...rates) > 0 ? Math.max(...rates) : -Math.min(...rates);
@@ -127,7 +127,7 @@ export class Closed extends Study {
     return { said: [this.#told(end), ...notes, ...this.#kin(end, by)].join(" ") };
   }
 
-  /** About the period: that of a drive, else when the run itself comes back, and where it does, if that is not at its start. */
+  /** The guess of the period: that of a drive, else the time after which the run comes back, with the place if not its start. */
   async #guess(scene, scheme, signal) {
     if (!isAutonomous(this.problem)) return { period: periodOf(this.problem, scene.problem) };
     const names = startsOf(this.problem).filter((name) => name !== "s");
@@ -182,7 +182,7 @@ export class Closed extends Study {
     return text("closed.done", given) + held + (trivial ? ` ${text("closed.trivial", { n: trivial })}` : "");
   }
 
-  /** What there is to say of the family. */
+  /** The words about the family. */
   #kin({ family_end: end }, by) {
     if (!this.#members.length) return [];
     const turns = this.#members.filter(({ bifurcation }) => bifurcation)

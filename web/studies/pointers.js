@@ -11,7 +11,7 @@ export const numbersOf = ({ parameters }) =>
 /** The variables that a run may start from. */
 export const startsOf = (problem) => motion(problem).map(({ name }) => name);
 
-/** The columns that many runs may have in a picture, as each of them is by itself. */
+/** The columns that many runs may have in a picture; others need all samples of a run. */
 export const columnsOf = (problem) => axes(problem).map(({ id }) => id).filter((id) => id !== "error_of_energy" && id !== "mode");
 
 /** Where a start or a parameter stands in a request. */

@@ -47,7 +47,7 @@ export class Studies {
     find("#close-orbit").addEventListener("click", () => find("#measure-closed").click());
   }
 
-  /** What is shown belongs to one scene: for another it goes, and what is under way ends. */
+  /** The results belong to one scene: for another scene they are removed, and studies under way are ended. */
   follow() {
     const scene = JSON.stringify(this.#ask().scene);
     if (scene === this.#scene) return;
@@ -155,7 +155,7 @@ export class Studies {
     return { said: text("precision.done", { n: points }) + (end.status === "stopped" ? ` ${text("precision.cut")}` : "") };
   }
 
-  /** A word on a curve whose order is not as declared, or could not be measured. */
+  /** A note on a curve whose order is not the declared one, or could not be measured. */
   #ordered({ scheme, setting, observed_order: observed, expected_order: expected, why }) {
     const name = this.#title(scheme, setting);
     if (observed === null) return why ? [`${name}: ${why}`] : [];

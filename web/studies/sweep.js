@@ -1,5 +1,5 @@
-// One parameter over a range, and what becomes of the motion: where it crosses a plane or is found by a clock (a bifurcation
-// diagram), how far it swings (a resonance curve), or where it ends.
+// One parameter over a range: where the motion crosses a plane or is at the times of a clock (a bifurcation
+// diagram), its amplitude (a resonance curve), or its end.
 import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { rounded } from "../service/work.js";

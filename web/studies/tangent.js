@@ -35,7 +35,7 @@ function cardsOf(problem) {
 /** So many neighbours on both sides, in steps of one: −2, −1, 1, 2. */
 const sides = (n) => Array.from({ length: n }, (_, i) => i - Math.floor(n / 2)).map((k) => (k < 0 ? k : k + 1));
 
-/** A step between neighbours for which the outermost come so far from a run as to be seen, and no farther. */
+/** The step between neighbours for which the outermost end visibly, but not far, from the run. */
 function shiftFor({ trajectory, sensitivities: { rows, samples } }, at, { x, y, count }) {
   const seen = [x, y].filter((name) => name !== "t"), size = Math.hypot(...seen.map((name) => extent(trajectory[name]).reduce((low, high) => high - low)));
   const moved = Math.max(...samples.map((one) => Math.hypot(...seen.map((name) => one[rows.indexOf(name)][at]))));

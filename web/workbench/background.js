@@ -1,5 +1,5 @@
-// What lies behind a portrait where that is chosen: level curves of H or of a formula, the vector field, and where the motion rests.
-// One step of Euler's method, which leads along the velocity itself, from every place of a grid tells all of them.
+// The background of a portrait, if chosen: level curves of H or of a formula, the vector field, and the equilibria.
+// All are computed from one step of Euler's method from every point of a grid, because that step is along the velocity.
 import { text } from "../language/texts.js";
 import { ensemble } from "../service/api.js";
 import { Live } from "../service/live.js";
@@ -13,7 +13,7 @@ const side = 121, step = 1e-6;
 const field = find("#field"), level = find("#level");
 const height = "behind"; // the name of a formula's column
 
-/** Whether the plane of two variables tells all of a motion. */
+/** Whether the plane of two variables is the whole phase space. */
 const isPlanar = (problem, axes) => Boolean(axes) && isAutonomous(problem) && motion(problem).length === 2 &&
   problem.schemes.includes("explicit_euler");
 
@@ -41,7 +41,7 @@ export class Background {
     return level.value.trim();
   }
 
-  /** The picture, and where the motion rests, `[{at, kind}]`; null where there is none. */
+  /** The picture, with the equilibria `[{at, kind}]`; null where there is none. */
   get field() {
     return this.#field;
   }

@@ -64,12 +64,12 @@ export class Pane {
              ...values(this.#part.fields, changed) };
   }
 
-  /** Sets how fine the run is, in the setting that its work goes with. */
+  /** Sets how fine the run is, by the setting to which its work is inversely proportional. */
   refineTo(value) {
     this.#part.fields.querySelector(`[data-name=${workSetting(this.chosen())}]`).value = String(value);
   }
 
-  /** The choice of another preset: of what is set, only how fine the run is stays, unless the preset says that too. */
+  /** The settings that stay when another preset is chosen: only those for how fine the run is, unless the preset has them. */
   #keptBeside(preset) {
     const { parameters = {} } = presetOf(this.#scheme, preset) ?? {};
     const kept = Object.entries(this.chosen()).filter(([name]) => fineness.includes(name) && !(name in parameters));

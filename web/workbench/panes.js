@@ -30,7 +30,7 @@ export class Panes {
     return this.#list;
   }
 
-  /** Those that an experiment names, with the schemes that fit the problem: two at least, of a scene as text one. */
+  /** Loads the panes that an experiment names, with the schemes that fit the problem: at least two, or one for a scene as text. */
   load(problem, experiment) {
     this.#problem = problem;
     const wanted = names.filter((name, i) => i < this.#least || experiment[name]);
@@ -44,7 +44,7 @@ export class Panes {
     return Object.fromEntries(this.#list.map((pane) => [pane.name, pane.chosen(changed)]));
   }
 
-  /** Steps with which all do the work of the first. */
+  /** Sets steps with which all runs do as much work as the first. */
   even(outcomes) {
     const settings = equalWork(this.#list.map(({ name }) => ({ outcome: outcomes?.[name], scheme: outcomes?.[name]?.scheme ?? {} })));
     this.#list.forEach((pane, i) => settings[i] && pane.refineTo(settings[i]));

@@ -1,5 +1,5 @@
-// The runs of the workbench: what is asked for each, how far they are, and what they came to. One question is in flight, and
-// of those that came meanwhile the newest follows.
+// The runs of the workbench: their requests, progress and outcomes. One request is in flight, and
+// only the newest of those that came meanwhile follows.
 import { text } from "../language/texts.js";
 import { simulate } from "../service/api.js";
 import { Live } from "../service/live.js";
@@ -54,7 +54,7 @@ export class Runs {
     });
   }
 
-  /** Of another scene nothing is kept, nor comes. */
+  /** Forgets all outcomes, and those still to come, because the scene is another one. */
   forget() {
     this.#live.stop();
     this.#starts.stop();
@@ -71,13 +71,13 @@ export class Runs {
     this.#live.ask({ now, most: follow ? coarse : now.record.samples ?? samples.default }, !follow);
   }
 
-  /** Runs the starts beside that of an experiment; of auto each has the scheme that was chosen for the first. */
+  /** Runs the further starts of an experiment; with auto, each by the scheme that was chosen for the first. */
   askBeside(now, follow = false) {
     const schemes = Object.entries(this.#outcomes ?? {}).map(([name, outcome]) => [name, outcome?.choice ? outcome.scheme : now[name]]);
     this.#starts.ask(schemes.map(([name, scheme]) => [name, this.#requestFor(now, scheme, follow ? coarse : beside)]), follow);
   }
 
-  /** Ends what is in flight; what came of it stays. */
+  /** Ends what is in flight; the samples received so far stay. */
   stop() {
     this.#live.stop();
     this.#starts.stop();
@@ -128,7 +128,7 @@ export class Runs {
     }));
   }
 
-  /** Goes back from the end of a run to its start; what came of it, which stands beside the outcome. */
+  /** Runs back from the end of a run to its start, and returns that answer, which stands beside the outcome. */
   async #goBack(request, outcome, signal) {
     const { initial, final, scheme } = outcome, answer = await simulate({ ...request, scheme, initial: final, until: { t: initial.t }, diagnostics: [] }, signal);
     if (!answer.outcome) return answer;

@@ -57,7 +57,7 @@ export class Starts {
     if (this.#axes && this.#shown.length < most) this.#set([...this.#shown, [rounded(x), rounded(y)]]);
   }
 
-  /** Takes the newest back: a double click is none. */
+  /** Removes the newest start: a double click sets none. */
   takeBack() {
     this.#set(this.#shown.slice(0, -1));
   }

@@ -1,4 +1,4 @@
-// The page: lessons, and the workbench behind them. The address says which, and the way back goes back.
+// The page: lessons, and the workbench behind them. The address says which is shown, and the browser's "back" undoes.
 import * as api from "./service/api.js";
 import { fromHash, lessonHash, lessonOf, presenting, presents } from "./service/link.js";
 import { custom } from "./service/text.js";
@@ -12,15 +12,15 @@ import { lessons } from "./lessons/lessons.js";
 const find = (selector) => document.querySelector(selector);
 let bench = null, coming = null, lesson = null, shown = null, at = "";
 
-/** The workbench, fetched when it is first asked for: a lesson, which most begin with, is seen the sooner. */
+/** The workbench, fetched when first needed, so that a lesson, with which most readers begin, is shown sooner. */
 function workbench(catalogue) {
   coming ??= Promise.all([import("./workbench/bench.js"), learnCatalogue()]).then(([{ Bench }]) => (bench = new Bench(translated(catalogue), note)));
   return coming;
 }
 
 /**
- * Puts `hash` into the address: as a step to go back from, unless it only spells out what stands there. An address that has
- * changed meanwhile stays: what it says is about to be shown.
+ * Puts `hash` into the address, as a step that can be undone unless `quietly`, for the same state written out. An address that
+ * has changed meanwhile stays, because its state is about to be shown.
  */
 function note(asked, quietly) {
   const hash = inLanguage(presenting(asked, isPresenting()), languageOf(at));
@@ -31,7 +31,7 @@ function note(asked, quietly) {
   find("#undo").disabled = steps() === 0;
 }
 
-/** Whether a lecture goes on: only the scene, its pictures and what is moved by hand are in sight. */
+/** Whether the page is in presentation mode, which shows only the scene, its pictures and the controls. */
 const isPresenting = () => document.documentElement.classList.contains("present");
 
 function present(on) {
@@ -53,7 +53,7 @@ async function turnPresenting(on) {
   else if (document.fullscreenElement) await document.exitFullscreen().catch(() => {});
 }
 
-/** How many steps of this page there are to go back. */
+/** The number of steps of this page that can be undone. */
 const steps = () => history.state?.steps ?? 0;
 
 /** Ctrl+Z where it does not belong to a text that is being typed; the step to go back to stands in the address. */

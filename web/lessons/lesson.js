@@ -95,8 +95,8 @@ export class Lesson {
   }
 
   /**
-   * The pictures leave room for what the words above them take beyond a line each. In a presentation the words beside the picture are
-   * as large as there is room for all of them.
+   * Makes the pictures smaller by the lines beyond the first of each text above them. In a presentation the words beside the
+   * picture are made as large as there is room for all of them.
    */
   #fit() {
     const beyond = (node) => node.offsetHeight - parseFloat(getComputedStyle(node).lineHeight);
@@ -188,7 +188,7 @@ export class Lesson {
     this.#live.ask({ requests, first: !this.#runs.length, lesson: this.#lesson, brief }, urgent);
   }
 
-  /** The runs that come first, where there is no picture yet. */
+  /** Draws the runs that come first, if there is no picture yet. */
   #grow(answers, asked, signal) {
     if (signal.aborted || asked.lesson !== this.#lesson || this.#runs.length || answers.some(({ faults }) => faults)) return;
     this.#draw(answers, asked);
@@ -224,7 +224,7 @@ export class Lesson {
     this.#shown();
   }
 
-  /** Says that the lesson has a picture; one that measures has more to come. */
+  /** Dispatches "seen": the lesson has a picture, to which a lesson that measures adds more. */
   #seen() {
     document.dispatchEvent(new CustomEvent("seen", { detail: { lesson: this.#lesson.id } }));
   }

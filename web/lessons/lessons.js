@@ -32,18 +32,18 @@ const fifty = { ...orbit, exact: [ellipse], thin: true }; // revolutions
 const chain = Array.from({ length: 32 }, (_, i) => `q[${i + 1}]`);
 const mode = (k) => ({ name: `mode${k}`, expression: `(sum(i=1..32, p[i]*sin(i*${k}*pi/33))^2 + 4*sin(${k}*pi/66)^2*sum(i=1..32, q[i]*sin(i*${k}*pi/33))^2)/33` });
 
-// A pendulum's period comes back at the first event: by what it changes, in the order of `by`.
+// The period of a pendulum is the time of the first event; `slope(i)` is its derivative by the i-th entry of `by`.
 const period = { name: "period", expression: "p", direction: "down" };
 const slope = (i) => ({ sensitivities }) => sensitivities.events[0].t[i];
 const mean = (a, b) => (Math.abs(a - b) < 1e-15 ? a : mean((a + b) / 2, Math.sqrt(a * b)));
 const swinging = (a, { length, gravity }) => [a, (2 * Math.PI * Math.sqrt(length / gravity)) / mean(1, Math.cos(a / 2))];
 
-// Arenstorf's orbit: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.0. The way in which a neighbour
-// leaves it fastest is a vector that the derivative of one round takes to a multiple of itself; of length 1 in the plane.
+// Arenstorf's orbit: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.0. The direction in
+// which neighbours leave it fastest is an eigenvector of the derivative of one round, here with length 1 in the plane.
 const round = 17.065216560157964, begins = { x: 0.994, y: 0, px: 0, py: -1.0075851063790824 };
 const leaves = { x: 0.3191331921533918, y: 0.9477098742051738, px: 153.68283617198503, py: 49.99111941567811 };
 const beside = (by) => Object.fromEntries(Object.entries(begins).map(([name, v]) => [name, v + by * leaves[name]]));
-/** The multipliers: two are 1, by the energy and along the orbit, the others λ and 1/λ, whose sum is the trace less 2. */
+/** The multipliers: two are 1, for the energy and along the orbit; the others are λ and 1/λ, whose sum is the trace less 2. */
 function multipliersOf({ sensitivities: { final } }) {
   const half = final.reduce((sum, row, i) => sum + row[i], -2) / 2, root = Math.sqrt(Math.max(0, half * half - 1));
   return [half + root, 1, 1, 1 / (half + root)].map((re) => ({ re, im: 0 }));

@@ -1,4 +1,4 @@
-// A lesson of many runs at once: the points where they cross a plane, or where a clock finds them; or where they end.
+// A lesson of many runs at once: their points on a plane, their points at the times of a clock, or their ends.
 import { named, text } from "../language/texts.js";
 import { ensemble } from "../service/api.js";
 import { element, faultText, words } from "../forms/forms.js";
@@ -7,8 +7,8 @@ import { brightness, Crossings, hues } from "../drawing/crossings.js";
 import { EndsPicture, rectangleOf } from "../drawing/ends.js";
 
 /**
- * The requests of a portrait. Starts on the surface of an energy are no grid: each is asked for by itself. In the plane x = 0 of
- * Hénon and Heiles, on the axes of y and of its momentum.
+ * The requests of a portrait. Starts on the surface of an energy form no grid, so each has a request. They lie in the plane
+ * x = 0 of Hénon and Heiles, on the axes of y and of its momentum.
  */
 function each({ surface, ...request }) {
   if (!surface) return [request];
@@ -58,7 +58,7 @@ export class Portrait {
     this.#tell();
   }
 
-  /** What the colours say: those of starts from the first to the last, of ends over what they have come to. */
+  /** Shows the key of the colours: from the first start to the last, or over the range of the ends so far. */
   #tell() {
     const [first, last] = this.#names, [low, high] = this.#ends?.ends?.range ?? [];
     const ends = this.#ends ? (Number.isFinite(low) ? [`${first} ${format(low)}`, format(high)] : ["", ""]) : [first, last];

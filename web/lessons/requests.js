@@ -10,7 +10,7 @@ export const coarse = 700; // while a hand moves the control
 /** A problem of a request, its title in the language that is spoken. */
 const entitled = (problem) => (problem.title ? { ...problem, title: named("scene", problem.title) } : problem);
 
-/** The problem, start and scheme of run `i`, as the control stands. */
+/** The request for run `i` at the present state of the control, with the columns and diagnostics that the lesson shows. */
 export function requestOf(lesson, i, { set, steps }, samples = lesson.points ?? fine) {
   const run = lesson.runs[i], { control } = lesson;
   const { problem, initial, until, scheme } = { ...lesson.scene, ...run };
@@ -51,8 +51,8 @@ export function remembering(ask) {
 }
 
 /**
- * Asks for all runs, `ask(request, signal)`; one that is to go back from the end of another, its `back`, waits for that. Of a lesson
- * that `grows`, `came(answers)` hears of the first ones while others are still to come.
+ * The answers to all runs by `ask(request, signal)`; a run `back` from the end of another waits for the latter. For a lesson
+ * that `grows`, `came(answers)` is called with the first answers while others are still to come.
  */
 export function answersTo(lesson, requests, ask, signal, came) {
   const answers = [];
@@ -64,11 +64,11 @@ export function answersTo(lesson, requests, ask, signal, came) {
   const grow = async () => {
     for (let i = 1; i < answers.length; i++) came(await Promise.all(answers.slice(0, i)));
   };
-  if (lesson.grows) grow().catch(() => {}); // which the whole tells as well
+  if (lesson.grows) grow().catch(() => {}); // the promise of all answers rejects as well
   return Promise.all(answers);
 }
 
-/** What a lesson that measures asks for: `study` schemes on a scene, or the `portrait` of many runs, as the control stands. */
+/** The request of a lesson with a `study` of schemes or a `portrait` of many runs, at the present state of the control. */
 export function measureOf({ study, portrait, control }, { set }) {
   const asked = structuredClone(study ?? portrait);
   asked.problem = entitled(asked.problem);
@@ -78,7 +78,7 @@ export function measureOf({ study, portrait, control }, { set }) {
   return asked;
 }
 
-/** What stands at a path of an answer, or what a function finds in it; `last` is the end of a column. */
+/** The value at a path in an answer, `last` being the end of a column; or the value of a function of the answer. */
 export const told = (outcome, path) => (typeof path === "function" ? path(outcome) : at(outcome, path));
 const at = (outcome, path) =>
   path.split(".").reduce((at, key) => (key === "last" ? at?.at(-1) : at?.[key]), outcome);

@@ -1,4 +1,4 @@
-// What a view shows of some runs: columns that the page itself derives, known curves beside them, histograms.
+// The pictures of a view of some runs: columns that the page itself derives, known curves beside them, histograms.
 import { known, named } from "../language/texts.js";
 import { colourOf } from "../catalogue/card.js";
 import { sun } from "../drawing/bodies.js";
@@ -10,12 +10,12 @@ import { inSpace } from "../drawing/space.js";
 
 const names = { error_of_energy: "|H − H₀| / |H₀|", mechanical_energy: "p²/2 + V", energy: "H", entropy: "S", potential: "U" };
 
-/** The columns that a view needs of the service. */
+/** The columns that a view needs from the service. */
 export const columnsOf = (view) => [...["x", "y", "z"].map((axis) => view[axis]), ...(view.between ?? []), ...(view.several ?? []).map(([name]) => name),
                                     ...(Array.isArray(view.body) ? view.body.flatMap(({ at }) => at).filter((entry) => !Number.isFinite(Number(entry))) : [])]
   .filter((name) => name && !["t", "distance", "periods"].includes(name)).map((name) => (name === "error_of_energy" ? "energy" : name));
 
-/** What the times of a run are divided by: 1, or where the `pace` is its "cycle", the period that was measured. */
+/** The unit of time of a run: 1, or with the `pace` "cycle" its measured period. */
 export const paceOf = ({ diagnostics, trajectory }, pace) =>
   (pace === "cycle" ? diagnostics.cycle?.period ?? trajectory.t.at(-1) / 2 : 1);
 
@@ -29,7 +29,7 @@ function whole(trajectory, { y, between }, last, unit) {
   return y === "error_of_energy" ? { ...trajectory, error_of_energy: errorOfEnergy(trajectory) } : trajectory;
 }
 
-/** How often a column's values fall in each bin, as a density, drawn as stairs. */
+/** The histogram of a column's values as a density, drawn as stairs. */
 function histogram(values, [low, high, n]) {
   const width = (high - low) / n, bins = Array(n).fill(0), found = values.filter((v) => v !== null);
   for (const v of found) {
@@ -45,7 +45,7 @@ function histogram(values, [low, high, n]) {
   return { x: [...x, high], y: [...y, 0], series: false, unmarked: true };
 }
 
-/** A known curve over an axis, or of points over a range of its own, as dense as a screen. */
+/** A known curve: a function over an axis, or points over a range of its parameter, in 600 parts. */
 function exactly([title, of, range], runs, span, log) {
   const value = (v) => of(v, runs[0].parameters, runs);
   const [low, high] = range ?? span, n = 600, x = Array.from({ length: n + 1 }, (_, i) => low + ((high - low) * i) / n);
@@ -58,7 +58,7 @@ function exactly([title, of, range], runs, span, log) {
   return { x: x.map((v, i) => (y[i] === null ? null : v)), y, ...drawn };
 }
 
-/** The pairs of columns that a view draws over each other, `[[x, y, title, colour]]`: of all of a kind, `x[*]`, each. */
+/** The pairs of columns that a view draws against each other, `[[x, y, title, colour]]`: for `x[*]` a pair for each index. */
 function pairsOf({ x, y, several }, trajectory) {
   if (several) return several.map(([name, title], i) => [x, name, named("term", title), colourOf(i)]);
   if (!x.endsWith("[*]")) return [[x, y]];
@@ -68,7 +68,7 @@ function pairsOf({ x, y, several }, trajectory) {
 
 const labelsOf = ({ labels }) => labels?.map((name) => named("term", name));
 
-/** Points with what is told of each run at them: `points: {x, y, slope}`, functions of an outcome; the slope as a piece of the tangent. */
+/** A point for each run with a piece of the tangent there: `points: {x, y, slope}` are functions of an outcome. */
 function pointsOf({ points: { x, y, slope }, exact = [], box = {}, ...view }, runs) {
   const truths = exact.map((one) => exactly(one, runs, [0, 1], "")), width = Math.max(...truths.map(({ x: along }) => extent(along)[1])) / 14;
   const curves = runs.flatMap(({ outcome, colour, title }) => {
@@ -79,7 +79,7 @@ function pointsOf({ points: { x, y, slope }, exact = [], box = {}, ...view }, ru
   return { curves: [...truths, ...curves], view: { ...commonView([...truths, ...curves], ["x", "y"], true), ...box }, labels: labelsOf(view) };
 }
 
-/** Places that stand still, `[name, x, y]` with functions of the parameters, as discs with their names. */
+/** Fixed places, `[name, x, y]` with x and y as functions of the parameters, drawn as discs with their names. */
 const standing = (places, parameters) => (pen, map, colour) => {
   pen.textAlign = "center";
   pen.textBaseline = "top";

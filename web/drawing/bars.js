@@ -14,14 +14,14 @@ const energies = {
 };
 const names = ["kinetic", "potential", "lost"];
 
-/** `[kinetic, potential, lost]` of a body in a state, `null` where nothing is known of its energy. */
+/** `[kinetic, potential, lost]` energy of a body in a state, `null` if it is unknown. */
 export function energyOf(body, state, parameters, start = state) {
   const of = (at) => energies[body]?.(at, parameters), now = of(state), before = of(start);
   if (![now, before].every((values) => values?.every(Number.isFinite))) return null;
   return [...now, before[0] + before[1] - now[0] - now[1]];
 }
 
-/** Draws the bars of `[{ink, values}]` in a box of pixels, `most` the height of a whole one. */
+/** Draws the bars of `[{ink, values}]` in a box of pixels, whose full height is the value `most`. */
 export function bars(pen, { left, top, width, height }, all, most, { ink, size, font }) {
   const group = width / 3, bar = Math.min(18, (0.8 * group) / all.length), room = height - 1.6 * size;
   pen.font = `${Math.min(size, group / 5)}px ${font}`; // of the longest name

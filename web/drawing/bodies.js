@@ -14,7 +14,7 @@ const rod = (pen, ...points) => {
   pen.stroke();
 };
 
-/** What a planet goes round, in a picture of its plane. */
+/** Draws the sun, at the origin, in a picture of the plane of a planet. */
 export function sun(pen, map, colour) {
   pen.fillStyle = colour("--sun");
   bob(pen, map.x(0), map.y(0), 5);
@@ -142,14 +142,14 @@ export class Bodies {
          { ink: style.getPropertyValue("--ink"), size: Math.round(0.82 * parseFloat(style.fontSize)), font: style.fontFamily });
   }
 
-  /** A run as it is now, or null where it is not known. */
+  /** The state of a run at the present time, or null if it is unknown. */
   #stateOf({ trajectory }) {
     const t = this.#time ?? trajectory.t.at(-1);
     const state = Object.fromEntries(Object.keys(trajectory).map((name) => [name, valueAt(trajectory.t, trajectory[name], t)]));
     return Object.values(state).includes(undefined) ? null : state;
   }
 
-  /** The energies of the runs, none where that of any is not known. */
+  /** The energies of the runs; none if that of any run is unknown. */
   #energies(states) {
     const all = this.#runs.map(({ colour, trajectory, parameters = {} }, i) => {
       const start = Object.fromEntries(Object.entries(trajectory).map(([name, values]) => [name, values[0]]));

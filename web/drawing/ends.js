@@ -49,7 +49,7 @@ export class Ends {
     return [low, high];
   }
 
-  /** The picture in memory, the highest row first, colours over a range of ends: transparent where nothing is known. */
+  /** The pixels, the highest row first, in colours over a range of ends; unknown ends are transparent. */
   paint(colours, [low, high]) {
     const { n } = this, pixels = new Uint32Array(n * n), scale = high > low ? (shades - 1) / (high - low) : 0;
     for (let member = 0; member < n * n; member++) {

@@ -6,7 +6,7 @@ import { decadeLabels, decades, format, multiples, roundStep, tickLabel } from "
 const known = (x) => x !== null;
 const startOf = ({ trajectory }) => trajectory.energy.find(known);
 
-/** The error of the energy against its start, as a part of that where it is not zero; null where it is exact. */
+/** |H − H₀|, divided by |H₀| if `relative` and that is not zero; null where it is zero or H is unknown. */
 export function errorOfEnergy({ energy }, relative = true) {
   const start = energy.find((v) => v !== null), scale = relative && start ? Math.abs(start) : 1;
   return energy.map((v) => (v === null || v === start ? null : Math.abs(v - start) / scale));
@@ -50,7 +50,7 @@ export class EnergyPlot {
     return Math.round(0.82 * parseFloat(getComputedStyle(this.#container).fontSize));
   }
 
-  /** Shows the "error" of the energy, its "value", or that there is "none"; says what it shows: `{title, what, note}`. */
+  /** Shows the "error" of the energy, its "value", or that there is "none"; returns the words about that, `{title, what, note}`. */
   show(kind, runs) {
     this.#again = () => this.show(kind, runs);
     this.#container.hidden = kind === "none";

@@ -2,7 +2,7 @@
 
 const there = (v) => v !== null;
 
-/** A mode as a number: 0 in time, 1 in a coordinate; null where there is none. */
+/** A mode of integration as a number: 0 in time, 1 in a coordinate; null if there is none. */
 export const inCoordinate = (mode) => (typeof mode === "string" ? Number(mode === "jacobi_maupertuis") : mode ?? null);
 
 /**
@@ -77,7 +77,7 @@ export function mapping(view, frame, zoom = null) {
   };
 }
 
-/** The index of the last sample that a run has come to when it is at `t`; its times grow, or fall where it goes backward. */
+/** The index of the last sample of a run up to time `t`; times grow, or fall for a run backward. */
 export function indexAt(times, t) {
   const way = times.at(-1) < times[0] ? -1 : 1;
   let low = 0, high = times.length - 1;
@@ -89,7 +89,7 @@ export function indexAt(times, t) {
   return low;
 }
 
-/** A column at time t, between samples on a straight line. */
+/** A column at time t, linearly interpolated between samples. */
 export function valueAt(times, column, t) {
   const i = indexAt(times, t), a = column[i], b = column[i + 1] ?? a, span = times[i + 1] - times[i];
   if (a === null || b === null || !span) return a;

@@ -58,7 +58,7 @@ export class Plane {
     this.draw();
   }
 
-  /** Shows the runs as they are at time t, null: whole; `told`: with the values there. */
+  /** Shows the runs at time t, null: whole; if `told`, with the values at t. */
   at(t, told = false) {
     const began = (this.#time === null) !== (t === null);
     this.#time = t;
@@ -73,7 +73,7 @@ export class Plane {
     this.#drawOver();
   }
 
-  /** While a start is dragged the view stays as it is. */
+  /** Keeps the view while a start is dragged. */
   hold(held) {
     this.#held = held ? this.#picture.view : null;
   }

@@ -1,11 +1,11 @@
-// What a hand does with a picture: it drags it (or the start of a run), enlarges it, points at a place. On the buttons of a
-// picture the arrow keys drag it.
+// Actions of a pointer on a picture: it drags it (or the start of a run), enlarges it, points at a place. The arrow keys drag
+// the picture when one of its buttons has the focus.
 import { text } from "../language/texts.js";
 import { element } from "../forms/forms.js";
 
 const reach = 16; // pixels from which a start is taken hold of
 
-/** Where on a curve of the picture a place lies: the time of the nearest sample within reach, or null. */
+/** The time of the sample nearest to a place, of all curves of the picture; null if none is within 40 pixels. */
 function timeNear(plane, { left, top }) {
   let nearest = 40 ** 2, at = null;
   for (const { t, x, y, exact } of plane.picture.curves) {
@@ -20,11 +20,11 @@ function timeNear(plane, { left, top }) {
   return at;
 }
 
-/** Which curve of the picture has its start at a place and can be dragged there; −1: none. */
+/** The index of the curve whose start is at a place and can be dragged; −1: none. */
 const onStart = (plane, { left, top }) => plane.picture.curves.findIndex(({ x, y, grab }) =>
   grab && x[0] !== null && Math.hypot(plane.map.x(x[0]) - left, plane.map.y(y[0]) - top) < reach);
 
-/** Enlarges by a factor, the place staying where it is. */
+/** Enlarges by a factor about a place. */
 function enlarge(plane, factor, place) {
   const { map, frame } = plane, by = (plane.zoom?.by ?? 1) * factor;
   if (!map || by > 1e6 || by < 1e-3) return;

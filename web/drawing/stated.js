@@ -5,10 +5,10 @@ import { projection } from "./space.js";
 const sizes = { bob: 0.07, planet: 0.05, sun: 0.1 };
 const seen = projection({ around: -0.65, up: 0.35 });
 
-/** The place of a point of the plane, or of space as it is seen from far away. */
+/** The place of a point in the picture: itself in the plane, its projection in space. */
 const flat = (point) => (point.length > 2 ? seen(...point) : point);
 
-/** The map of places into the square, in which all runs are seen whole, and the pivot where something hangs on it. */
+/** The map of places into the square, such that all runs fit, and the pivot if a body is linked to it. */
 export function fitting(bodies, runs) {
   const axes = bodies[0].at.map((_, k) => {
     const pivot = bodies.some(({ linked = [] }) => linked.includes("pivot")) ? [0] : [];

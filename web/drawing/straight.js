@@ -12,14 +12,14 @@ export class Straight {
   #leftX = 0;
   #leftY = 0;
 
-  /** A corner. */
+  /** Sets the corner from which the next straight line begins. */
   from(left, top) {
     this.#left = left;
     this.#top = top;
     this.#far = 0;
   }
 
-  /** Whether a way that has come to (a, b) must have had a corner at the point before. */
+  /** Whether the curve, now at (a, b), needs a corner at the point before. */
   turns(a, b) {
     const x = a - this.#left, y = b - this.#top, square = x * x + y * y, first = this.#far === 0;
     if (square < eye * eye) return !first; // it came back, or has not left yet

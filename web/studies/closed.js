@@ -138,7 +138,7 @@ export class Closed extends Study {
     return { period: found.period, ...(found.at ? { initial: Object.fromEntries(names.map((name) => [name, outcome.trajectory[name][found.at]])) } : {}) };
   }
 
-  /** Runs one round, and where that is `wanted` what leaves it and what comes to it, for the pictures; what there is to say of that. */
+  /** Draws one round, and if `wanted` the unstable and the stable manifold; returns notes about them. */
   async #draw(start, { initial, period, multipliers }, wanted, signal, told) {
     const own = this.problem.columns.filter((name) => name.endsWith("_wrapped")), over = [];
     const columns = ["t", ...startsOf(this.problem), ...own, ...statedColumns(this.problem)];
@@ -190,7 +190,7 @@ export class Closed extends Study {
     return [text("closed.family", { n: this.#members.length }), ...turns, ...(end ? [text("closed.family_end", { why: end })] : [])];
   }
 
-  /** The family: the period, or where it is along that the energy, over what it goes along. */
+  /** Draws the period of the members over the quantity `by` that varies, or the energy if that is the period. */
   #show(by = none) {
     const members = this.#members, figure = this.find("figure");
     figure.hidden = members.length < 2;

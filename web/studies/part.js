@@ -39,7 +39,7 @@ export class Study {
     this.clear();
   }
 
-  /** What is set, of `changed` values only. */
+  /** The values of the form, or only the `changed` ones. */
   chosen(changed = false) {
     return values(this.find(".fields"), changed);
   }
@@ -60,7 +60,7 @@ export class Members {
     study.find(".choices").append(this.#node);
   }
 
-  /** From now on there are `n`. */
+  /** Sets the number of members. */
   offer(n) {
     this.#n = n;
     this.#number.max = n - 1;
@@ -74,10 +74,10 @@ export class Members {
   }
 }
 
-/** The closing line of an answer that has none. */
+/** The closing line to use for an answer that broke off without one. */
 export const broken = () => ({ completed: 0, stopped: {}, warnings: [{ detail: text("study.broken") }] });
 
-/** What there is to say of many runs by the closing line of the answer: what `cut` them short, what `stopped` some, its warnings. */
+/** Notes on many runs from the closing line of the answer: why it ended early, why runs `stopped`, its warnings. */
 export const notesOf = ({ stop, stopped, warnings }) => [
   ...(stop ? [text("ended.early", { why: words(stop.reason) })] : []),
   ...Object.entries(stopped).map(([reason, n]) => text("study.stopped", { n, why: words(reason) })),

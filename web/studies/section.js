@@ -1,4 +1,4 @@
-// Where many runs cross a plane, or where a clock finds them: points that come block by block, in a colour for each member.
+// The points of many runs on a plane, or at the times of a clock: they come block by block, in a colour for each member.
 import { text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { rounded } from "../service/work.js";
@@ -8,7 +8,7 @@ import { Crossings } from "../drawing/crossings.js";
 import { broken, Members, notesOf, Study } from "./part.js";
 import { columnsOf } from "./pointers.js";
 
-/** The period of what drives a scene, as far as a parameter says so, which may be `set`. */
+/** The period of the drive of a scene, by the parameter with its frequency, which may be `set`; 2π if there is none. */
 export function periodOf({ parameters }, set = {}) {
   const frequencies = parameters.filter(({ name }) => /^(omega|w|frequency)$/i.test(name)).map(({ name, default: usual }) => set[name] ?? usual);
   return (2 * Math.PI) / (frequencies.find((one) => one > 0) ?? 1);
@@ -37,7 +37,7 @@ function cardsOf(problem) {
   ];
 }
 
-/** Of the schemes asked for the first that can go in lanes, else one of the problem's that keeps its structure. */
+/** The first of `schemes` that is explicit with steps of its caller; else such a one that keeps the problem's structure. */
 export function schemeOf(problem, schemes, cards) {
   const fits = ({ id }) => cards.some((card) => card.id === id && !card.implicit && !card.own_clock);
   const keeps = cards.filter(({ id, structure, symmetric }) => problem.schemes.includes(id) && structure !== "none" && symmetric);

@@ -67,7 +67,7 @@ export class Studies {
     for (const study of Object.values(this.#others)) study.draw();
   }
 
-  /** What stands in a link: the choices of the studies, and what is set for those of a problem. */
+  /** The studies in a link: their choices, and the values set for those of a problem. */
   offer(problem, { study = {}, ...wanted }) {
     this.choices = study;
     for (const [name, other] of Object.entries(this.#others)) other.offer(problem, wanted[name]);
@@ -76,7 +76,7 @@ export class Studies {
     return { study: this.choices, ...Object.fromEntries(Object.entries(this.#others).map(([name, other]) => [name, other.chosen(changed)])) };
   }
 
-  /** What is chosen to be measured, as far as it is not the usual. */
+  /** The choices of what to measure that differ from the default. */
   get choices() {
     return Object.fromEntries(choices.map((id) => find(`#${id}`)).filter((select) => select.value !== usual(select))
       .map((select) => [select.id, select.value]));
@@ -187,7 +187,7 @@ const fault = ({ pointer, ...rest }) => `${pointer ? `${pointer}: ` : ""}${fault
 /** The setting that a study varies. */
 const varied = (scheme) => ["tolerance", "theta", "sigma", "step"].find((name) => name in scheme);
 
-/** What the reference says of the scene. */
+/** The words about the reference solution and the scene. */
 function concerning({ reference, floor, chaotic, end, until }) {
   return [
     text("precision.reference", { what: known(`precision.how.${reference.how.replaceAll(" ", "_")}`) ?? reference.how,

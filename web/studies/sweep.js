@@ -13,7 +13,7 @@ import { broken, notesOf, patience, Study } from "./part.js";
 import { columnsOf, numbersOf, pointerTo } from "./pointers.js";
 import { schemeOf } from "./section.js";
 
-/** What is drawn of a column. */
+/** The name of the quantity that is drawn for a column. */
 const named = (show, name) => (show === "amplitude" ? text("sweep.amplitude_of", { name }) : name);
 
 function cardsOf(problem) {
@@ -75,7 +75,7 @@ export class Sweep extends Study {
     return { said: [said, ...notesOf(ended)].join(" ") };
   }
 
-  /** Adds points of members, to be seen in the next frame; how many there are of them. */
+  /** Adds points of members, to be drawn in the next frame; returns their number. */
   #add({ member, y }) {
     const { from, to, count: n, show } = this.#asked;
     const block = show === "amplitude" ? swings(member, y) : { member, y };
@@ -84,7 +84,7 @@ export class Sweep extends Study {
     return block.member.length;
   }
 
-  /** Where what is drawn is largest. */
+  /** The words about the largest value drawn and its place. */
   #peak() {
     const { vary, show, y: name } = this.#asked;
     let [at, most] = [null, -Infinity];
@@ -116,13 +116,13 @@ export class Sweep extends Study {
   }
 }
 
-/** The crossings after a time. */
+/** The crossings from a time on, with the column `name`. */
 function late({ member, t, ...columns }, name, after) {
   const kept = member.map((_, i) => i).filter((i) => t[i] >= after);
   return { member: kept.map((i) => member[i]), y: kept.map((i) => columns[name][i]) };
 }
 
-/** Half of how far each member goes to and fro. */
+/** The amplitude of each member: half the difference of its largest and its smallest value. */
 function swings(member, y) {
   const ends = new Map();
   member.forEach((m, i) => {

@@ -93,7 +93,7 @@ export class Tangent extends Study {
     return found;
   }
 
-  /** Draws the run, its neighbours and what is predicted of them; what there is to say of those. */
+  /** Draws the run, its neighbours and their predictions; returns the words about the predictions. */
   #fan({ trajectory, sensitivities, final, ...base }, names, { vary, x, y }, neighbours) {
     if (!neighbours.length) return "";
     const at = names.indexOf(vary), row = (name) => sensitivities.rows.indexOf(name);

@@ -75,7 +75,7 @@ export class Background {
     return { axes, field: fieldPicture({ x: [low.x, high.x], y: [low.y, high.y], n: side, level: heights, u, v, arrows, kept, parts: names.includes("energy") }) };
   }
 
-  /** Shows a picture, says where it rests, or what was refused. */
+  /** Shows the picture of an answer and tells the equilibria or the faults. */
   #take({ field: made, faults = [] }) {
     this.#field = made;
     find("#level-fault").textContent = faults.map(faultText)[0] ?? "";

@@ -102,14 +102,14 @@ export class Bench {
     this.#begin(card, { ...experiment, initial }, quietly, problem);
   }
 
-  /** Waits for the text of an experiment: until it is read there is nothing to show. */
+  /** Hides results, scene and studies until the text of an `experiment` is read; null shows them again. */
   #wait(experiment) {
     this.#pending = experiment;
     for (const part of ["#results", "#scene", "#studies"]) find(part).hidden = Boolean(experiment);
     if (experiment) find("#status").textContent = text("own.reading");
   }
 
-  /** A text was read: all that was set stays, as far as the new scene has it. */
+  /** Takes a text that was read: values set before stay, as far as the new scene has them. */
   #typed(card, definition) {
     if (!card) return this.#dim(false);
     const now = this.#pending ?? this.#experiment(true), set = kept(this.#scene.definition, definition, now.problem);
@@ -154,7 +154,7 @@ export class Bench {
     return { ...this.#scene.values(changed), view, starts: this.#starts.linked, ...this.#studies.chosen(changed), ...this.#panes.chosen(changed) };
   }
 
-  /** The start that stands in the forms, or in the link that waits for its text. */
+  /** The start in the forms, or in the link whose text is still to be read. */
   get #start() {
     return (this.#pending ?? this.#scene.values(true)).initial ?? {};
   }
@@ -165,7 +165,7 @@ export class Bench {
     return { scene: { ...this.#runs.sceneOf(this.#experiment()), ...(acts ? { events } : {}) }, events, schemes };
   }
 
-  /** Asks for runs soon; several changes at once make one. `quietly`: the address does not change by a hand. */
+  /** Asks for runs once for all changes of this moment; `quietly`: the new address is no step to undo. */
   request(quietly = false) {
     if (this.#pending) return;
     this.#typing = false;
@@ -198,7 +198,7 @@ export class Bench {
     find("#stop").hidden = !busy;
   }
 
-  /** All runs were answered; without `answers` there is a part of some more to see. */
+  /** Shows the answers to all runs; without `answers`, new parts of the runs under way. */
   #show({ answers, said, lost, waiting } = {}) {
     this.#showPlanes();
     if (!answers) return;
@@ -220,7 +220,7 @@ export class Bench {
     this.#background.ask(this.#scene.problem, this.#runs.sceneOf(this.#experiment()), this.#startAxes, this.#results.extent);
   }
 
-  /** The variables that a place in the pictures sets, null where they take no starts. */
+  /** The variables that a place in the pictures sets as a start, null if it sets none. */
   get #startAxes() {
     return startsOf(this.#scene.axes, this.#scene.log, this.#scene.problem);
   }
@@ -229,14 +229,14 @@ export class Bench {
     this.#starts.offer(this.#startAxes);
   }
 
-  /** The starts of the portrait have changed. */
+  /** Follows a change of the starts of the portrait. */
   #portray(done) {
     if (done) this.#went(toHash(this.#experiment(true)), false);
     this.#runs.askBeside(this.#experiment(), !done);
     this.#redraw();
   }
 
-  /** Draws once for all that comes between two frames. */
+  /** Draws once in the next frame for all changes before it. */
   #redraw() {
     this.#frame ||= requestAnimationFrame(() => {
       this.#frame = 0;

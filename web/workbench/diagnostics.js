@@ -22,7 +22,7 @@ const energyRows = {
   ],
 };
 
-/** The paths to what stands in a diagnostic: `[[]]` for a value or a list, `[["period"], ["amplitude"]]` for an object. */
+/** The paths to the values in a diagnostic: `[[]]` for a value or a list, `[["period"], ["amplitude"]]` for an object. */
 function paths(value) {
   if (value === null || typeof value !== "object" || Array.isArray(value)) return [[]];
   return Object.entries(value).flatMap(([key, part]) => paths(part).map((path) => [key, ...path]));
@@ -31,7 +31,7 @@ function paths(value) {
 /** The rows of a diagnostic that has none of its own: one for each part that any outcome has. */
 function plainRows(kind, outcomes) {
   const found = outcomes.flatMap((outcome) => paths(outcome.diagnostics[kind] ?? null)).map((path) => path.join("."));
-  // What is null in one outcome and has parts in another is shown by its parts.
+  // A diagnostic that is null in one outcome and has parts in another is shown by its parts.
   const whole = (part, _, every) => !every.some((other) => other !== part && other.startsWith(part && `${part}.`));
   const parts = [...new Set(found)].filter(whole);
   const title = words(kind)[0].toUpperCase() + words(kind).slice(1);
@@ -41,7 +41,7 @@ function plainRows(kind, outcomes) {
   }));
 }
 
-/** Any value for people; of a list, how long it is and how it begins. */
+/** Any value as text; a list is shown by its length and its beginning. */
 function plainly(value) {
   if (typeof value === "number") return format(value);
   if (typeof value === "boolean") return text(value ? "yes" : "no");
@@ -80,7 +80,7 @@ function rows(outcomes, problem) {
   ];
 }
 
-/** All of a list, for who points at its beginning. */
+/** The whole of a list as text, for the tooltip of its beginning. */
 const whole = (value) => (Array.isArray(value) ? value.join(", ") : "");
 
 /** Fills `table`; `runs` are `[{name, title, outcome}]`. */

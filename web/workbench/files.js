@@ -1,4 +1,4 @@
-// What is in sight as files: trajectories as a table, pictures, and the buttons for them.
+// Saves what is shown as files: trajectories as a table, pictures, films; with the buttons for them.
 import { text } from "../language/texts.js";
 import { element } from "../forms/forms.js";
 import { canFilm, Film } from "./film.js";

@@ -1,4 +1,4 @@
-// What plays, as a film: the pictures in sight beside each other, frame by frame as they are drawn.
+// Records the animation as a film: the visible pictures beside each other, frame by frame as they are drawn.
 
 const kind = "video/webm";
 export const canFilm = () => Boolean(globalThis.MediaRecorder?.isTypeSupported(kind));

@@ -111,7 +111,7 @@ export class Pane {
     this.#part.messages.replaceChildren(...(notes.length ? [element("ul", {}, ...notes)] : []));
   }
 
-  /** What there is to say of the way back from the end of a run, an answer of the service. */
+  /** Adds messages about the run back from the end, given the answer of the service. */
   tellBack({ outcome, faults = [] }) {
     const said = outcome?.stop ? [note("stop", text("pane.back", { what: stopped(outcome.stop) }))]
       : faults.map((fault) => note("fault", text("pane.back", { what: faultText(fault) })));
@@ -124,7 +124,7 @@ export class Pane {
     if (this.#request) this.#part.curl.textContent = programs[this.#part.language.value](this.#request);
   }
 
-  /** Says what is run: the scheme as a request spells it. */
+  /** Sets the title from the scheme in the form of a request. */
   #entitle(scheme, who = "") {
     const card = this.#schemes.find(({ id }) => id === scheme.id);
     this.title = who + title(card, scheme);
@@ -146,7 +146,7 @@ export class Pane {
   /** An entry of the list of faults that leads to the field, where there is one. */
   #fault(fault, containers) {
     const [, own] = /^\/(columns|events)\/\d+/.exec(fault.pointer ?? "") ?? [];
-    // A text that could be read is refused for the start.
+    // A formula that could be read is refused because of the start, so the fault leads there.
     const start = /^\/problem\/(lagrangian|hamiltonian|potential|equations)\b/.test(fault.pointer ?? "") &&
       containers.map((form) => form.querySelector("[data-pointer^='/initial/']")).find(Boolean);
     const at = own ? `/${own}/more` : start ? start.dataset.pointer : fault.pointer;
@@ -195,7 +195,7 @@ const orders = (order) => (order !== null && typeof order === "object"
   ? Object.entries(order).map(([name, p]) => (name === String(p) ? name : `${p} (${words(name)})`)).join(", ")
   : String(order ?? ""));
 
-/** How many events there were of each kind, of those of one's own by name. */
+/** The numbers of events of each kind; those of the request are counted by name. */
 function counted(events) {
   const called = ({ kind, name = kind }) => (kind === "event" ? name : kind), kinds = [...new Set(events.map(called))];
   return kinds.map((kind) => {
@@ -204,7 +204,7 @@ function counted(events) {
   }).join(", ");
 }
 
-/** The order is the highest that a choice stands for, as a composition, or a number, as of stages. */
+/** The traits of a scheme. If its order depends on choices (a composition) or on numbers (of stages), it is the highest of theirs. */
 function traits({ id, order, implicit, symmetric, structure, keeps_volume: volume, parameters }, scheme, { diagnostics }) {
   if (id === "auto") return text("trait.chosen");
   const byChoice = order !== null && typeof order === "object";

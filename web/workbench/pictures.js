@@ -1,4 +1,4 @@
-// The pictures of runs over the axes that are chosen: each a function of some of the runs, all seen alike.
+// The pictures of runs over the chosen axes: functions that draw some of the runs, all in the same view.
 import { colourOfBody } from "../catalogue/card.js";
 import { bodiesOf, columnsOf, index, isEqual, kindsOf, startsOf } from "../catalogue/kinds.js";
 import { bodyOf, sun } from "../drawing/bodies.js";
@@ -11,10 +11,10 @@ const times = ({ outcome }) => (outcome?.events ?? []).map(({ t }) => t);
 
 const above = { title: "", events: [], exact: true };
 
-/** The ends of curves as those of one. */
+/** The extents of all curves together, in the form of one curve. */
 const boxOfAll = (curves) => ({ x: curves.flatMap(({ x }) => extent(x)), y: curves.flatMap(({ y }) => extent(y)) });
 
-/** The curve of a trajectory over two columns, nothing where it has none. */
+/** The curve of a trajectory over two columns in a list, which is empty if a column is missing. */
 function curvesOf(trajectory, [across, up], log, more) {
   const [x, y] = trajectory ? [across, up].map((name) => column(trajectory, name)) : [];
   const curve = x && y && curveOf({ ...trajectory, [across]: x, [up]: y }, across, up, log);

@@ -1,6 +1,6 @@
-// A request as what makes the same run elsewhere: a command line, a program, or itself.
+// A request in forms that make the same run elsewhere: a command line, a program, or the request itself.
 
-/** JSON that a text between quotes of any program may hold: no text of a reader's ends it. */
+/** JSON for a string in single quotes in any of the languages: apostrophes are escaped, so that none ends the string. */
 const quoted = (request) => JSON.stringify(request).replaceAll("'", "\\u0027");
 const address = () => new URL("v1/simulate", document.baseURI);
 

@@ -63,12 +63,12 @@ export class Results {
     return find("#together").checked ? [["all", this.#together]] : panes.map(({ name, plane }) => [name, plane]);
   }
 
-  /** A hand points at time t of a run, null: at none. */
+  /** Shows the runs at time t, at which the pointer is; null: it is at no run. */
   point(t) {
     if (!this.#player.playing) this.#at(t ?? this.#player.time, t !== null);
   }
 
-  /** What lies within the picture in sight: `{low: {x, y}, high: {x, y}}`, null where nothing is drawn. */
+  /** The bounds of the visible picture, `{low: {x, y}, high: {x, y}}`, null if nothing is drawn. */
   get extent() {
     return (find("#together").checked ? this.#together : this.#panes[0]?.plane)?.map ?? null;
   }

@@ -16,7 +16,7 @@ const beside = 2000; // points of a start beside the scene's own
 const coarse = 500; // points of a run while a hand moves a slider
 const patience = 300; // ms after which a run is seen while it goes on
 
-/** What came of a run that was stopped by hand. */
+/** The outcome of a run that was stopped by the user. */
 function cut(outcome) {
   const { trajectory, t, steps } = outcome, last = Object.entries(trajectory).map(([name, values]) => [name, values.at(-1)]);
   return { ...outcome, status: "stopped", stop: { reason: "cancelled", t, detail: text("run.by_hand") }, diagnostics: {}, cost: { steps },
@@ -62,7 +62,7 @@ export class Runs {
     this.#outcomes = null;
   }
 
-  /** Runs an experiment; `follow`: a hand is on it, so of few points and after what is in flight. */
+  /** Runs an experiment; `follow`: while a control is dragged, with few points and after the request in flight. */
   ask(now, follow = false) {
     if (!follow) {
       this.#cut();
@@ -84,7 +84,7 @@ export class Runs {
     for (const { name } of this.#cut()) this.#panes.list.find((pane) => pane.name === name).tell(this.#outcomes[name]);
   }
 
-  /** The runs that were under way, of which there is a part. */
+  /** Ends the runs under way with the outcomes so far, and returns them. */
   #cut() {
     find("#progress").hidden = true;
     cancelAnimationFrame(this.#frame);
@@ -94,7 +94,7 @@ export class Runs {
     return under;
   }
 
-  /** The scene as it stands in a request. */
+  /** The scene in the form of a request. */
   sceneOf({ problem, preset, initial, until: { back: _, ...until } }) {
     return { problem: this.#scene.asked(problem, preset), initial, until };
   }
@@ -137,7 +137,7 @@ export class Runs {
     return answer;
   }
 
-  /** A run is on its way. */
+  /** Shows the progress of a run. */
   #pass(name, outcome, done) {
     if (performance.now() - this.#since < patience) return;
     const parts = this.#panes.list.map((pane) => done.get(pane.name) ?? 0);

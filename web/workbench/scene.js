@@ -59,7 +59,7 @@ export class Scene {
     return preset;
   }
 
-  /** Columns and events that are typed, as they stand in a request. */
+  /** The typed columns and events in the form of a request. */
   get columns() {
     return columnsOf(typed(forms.columns));
   }
@@ -88,7 +88,7 @@ export class Scene {
     return at < 0 ? "" : String(at);
   }
 
-  /** The axes were changed by a hand, at the field of this name: a view of the scene sets all of them. */
+  /** Follows a change of the field `name` of the axes; choosing a view of the scene sets all axes. */
   turn(name) {
     const [x, y, z = ""] = statedViews(this.problem)[name === "view" ? view.value : -1] ?? this.axes;
     if (name === "view") this.offerAxes({ x, y, z });
@@ -105,25 +105,25 @@ export class Scene {
     return Object.fromEntries(Object.entries(axis).map(([name, select]) => [name, select.value]));
   }
 
-  /** When the run starts, as the form says or else its default. */
+  /** The time of the start in the form, or its default. */
   get start() {
     const field = forms.initial.querySelector("[data-name=t]"), given = Number(field.value.trim() || field.placeholder);
     return Number.isFinite(given) ? given : 0;
   }
 
-  /** The default end follows the start; an end of one's own stays. */
+  /** Moves the default end with the start; an end that was set stays. */
   moveEnd() {
     const field = forms.until.querySelector("[data-name=t]"), own = "t" in this.ownEnd;
     field.placeholder = field.dataset.usual = String(this.start + this.span);
     if (!own) field.value = field.placeholder;
   }
 
-  /** What is set of the end: when it is, where it is not the default one, and whether the runs go back from it. */
+  /** The settings of the end: its time, if not the default, and whether runs go back from it. */
   get ownEnd() {
     return values(forms.until, true);
   }
 
-  /** `[x, y]`, in space `[x, y, z]`: what stands on the axes; their labels; which are logarithmic. */
+  /** The columns on the axes, `[x, y]` or in space `[x, y, z]`; their labels; the logarithmic ones. */
   get axes() {
     return Object.values(this.#chosen).filter(Boolean);
   }

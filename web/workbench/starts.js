@@ -1,5 +1,5 @@
-// The starts of a portrait: beside the start of the scene others that a hand sets into its picture, each run with every scheme
-// that is shown. They stand in a list as well, for keys to add, move and remove them.
+// The starts of a portrait: further starts beside that of the scene, set by clicks into its picture, each run with every scheme
+// shown. A list of them lets keys add, move and remove them.
 import { text, typed as read } from "../language/texts.js";
 import { simulate } from "../service/api.js";
 import { Live } from "../service/live.js";
@@ -29,7 +29,7 @@ export class Starts {
     find("#no-starts").addEventListener("click", () => this.#set([]));
   }
 
-  /** What a link holds, `{of: "q,p", at: "1,0,2,0.5"}`, and back. */
+  /** From and to the form in a link, `{of: "q,p", at: "1,0,2,0.5"}`. */
   load({ of = "", at = "" } = {}) {
     const numbers = at.split(",").map(Number), pairs = numbers.slice(0, 2 * most).flatMap((x, i) => (i % 2 ? [] : [[x, numbers[i + 1]]]));
     this.#of = of;
@@ -41,7 +41,7 @@ export class Starts {
     return this.#list.length ? { of: this.#of, at: this.#list.flat().join(",") } : {};
   }
 
-  /** Shows the list for pictures over these variables, null: that take no starts. */
+  /** Shows the list for pictures over these variables; hides it for null, because those pictures take no starts. */
   offer(axes) {
     this.#axes = axes;
     find("#starts").hidden = !axes;
@@ -76,14 +76,14 @@ export class Starts {
     this.#changed(true);
   }
 
-  /** A place for one more that no hand points at: beside the last. */
+  /** A place for a start added by the button: beside the last one. */
   #free() {
     const values = this.#axes.map((name) => Number(find(`#initial [data-name="${CSS.escape(name)}"]`)?.value) || 0);
     const [x, y] = this.#shown.at(-1) ?? values;
     return [x, y + 0.25];
   }
 
-  /** The list as fields: it is made anew only where its length has changed, so that a field keeps the focus. */
+  /** Writes the list as fields, which are made anew only if their number or names change, so that a field keeps the focus. */
   #spell() {
     const list = find("#start-list"), starts = this.#shown, names = this.#axes ?? [];
     if (list.children.length !== starts.length || list.dataset.of !== String(names)) {
@@ -109,7 +109,7 @@ export class Starts {
     find("#no-starts").hidden = starts.length === 0;
   }
 
-  /** Asks for the starts of runs `[[name, request]]`, after what is in flight where a hand follows. */
+  /** Asks for the starts of runs `[[name, request]]`; if `follow`, after the request in flight. */
   ask(runs, follow) {
     const [x, y] = this.#axes ?? [];
     this.#asked = new Map(runs.flatMap(([name, request]) => this.#shown.map(([a, b], i) => (
@@ -138,7 +138,7 @@ export class Starts {
     return Promise.all(Array.from({ length: atOnce }, one));
   }
 
-  /** The starts of a run, `[{at: [x, y], trajectory}]`, of those that are still to come or were refused without a trajectory. */
+  /** The starts of a run, `[{at: [x, y], trajectory}]`; a start whose run is still to come, or was refused, has its last one or none. */
   of(name) {
     return this.#shown.map((at, i) => {
       const start = `${name}${i}`, key = this.#asked.get(start);

@@ -8,7 +8,7 @@ export const element = (tag, properties = {}, ...children) => {
   return made;
 };
 
-/** An id of the service for people. */
+/** An id of the service as words. */
 export const words = (id) => known(`service.name.${id}`) ?? id.replaceAll("_", " ");
 
 /** A text of the catalogue, its powers, `e^{−αt}`, raised. */
@@ -34,7 +34,7 @@ export function build(container, cards, pointer, values = {}) {
   container.replaceChildren(...cards.map((card) => field(card, `${pointer}/${card.name}`, values[card.name])));
 }
 
-/** A number as it stands in a field: 2e-6, of which 0.000002 would show the zeros. */
+/** A number for a narrow field: 2e-6, because of 0.000002 only zeros would be visible. */
 const brief = (value) => {
   const plain = String(value ?? ""), power = typeof value === "number" ? value.toExponential() : plain;
   return plain.length > 7 && power.length < plain.length ? power : plain;
@@ -54,7 +54,7 @@ function field(card, pointer, value = card.default) {
   return card.slides ? element("div", { className: "sliding" }, label, track(input, card, name.textContent)) : label;
 }
 
-/** A slider that moves the number of a field; the field tells of it by "slide", and by "change" in the end. */
+/** A slider that sets the number of a field; the field dispatches "slide" on every move, and "change" at the end. */
 function track(input, card, label) {
   const range = rangeOf(card), scale = scaleOf(range);
   const made = element("input", { type: "range", min: 0, max: 1000, step: 1, ariaLabel: label });
@@ -104,8 +104,8 @@ const shown = (input) => (input.type === "checkbox" ? String(input.checked)
 const numberIn = ({ value, dataset }) => (dataset.usual.includes(",") ? Number(value) : typed(value));
 
 /**
- * The values of a container by name. What is not a number is passed on as text: the service says what is wrong. An
- * optional value is there only where it is another than its default; with `changed` so is any.
+ * The values of a container by name. A text that is not a number is passed on, because the service tells what is wrong. An
+ * optional value is left out if it is the default; with `changed` any value is.
  */
 export function values(container, changed = false) {
   const read = {};
@@ -147,7 +147,7 @@ export function showFault(containers, fault) {
   return null;
 }
 
-/** Leads to a field that is refused, unless a hand is on another. */
+/** Moves the focus to a refused field, unless another field has it. */
 export function leadTo(input) {
   if (document.activeElement?.matches("input, textarea, select")) return;
   input.closest("details:not([open])")?.setAttribute("open", "");

@@ -1,4 +1,4 @@
-// Formulas that the service answers, made anew of elements and attributes that are known here: nothing else gets into the page.
+// Formulas in answers of the service, rebuilt from known elements and attributes only, so that nothing else gets into the page.
 
 const elements = ["math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "mfrac", "msqrt", "mroot", "msup", "msub", "msubsup",
                   "mover", "munder", "munderover", "mtable", "mtr", "mtd", "mstyle", "mpadded", "mphantom"];
@@ -27,7 +27,7 @@ function identifier(name) {
   return both;
 }
 
-/** A copy of a node: of what is no element of formulas, its text alone. */
+/** A copy of a node; an element that is not one of formulas is replaced by its text. */
 function copy(node) {
   if (node.nodeType !== Node.ELEMENT_NODE) return document.createTextNode(node.nodeType === Node.TEXT_NODE ? node.data : "");
   const children = [...node.childNodes].map(copy);
@@ -40,13 +40,13 @@ function copy(node) {
   return one;
 }
 
-/** The terms of a row, those of rows in it as well, for it to break between them; what stands in brackets is one. */
+/** The terms of a row and of the rows in it, between which lines may break; brackets with their contents are one term. */
 const terms = (row) => [...row.childNodes].flatMap((part) =>
   (part.localName === "mrow" && !["(", "|"].includes(part.firstChild?.textContent) ? terms(part) : [part]));
 
 const parsed = (text) => new DOMParser().parseFromString(text, "application/xml").querySelector("math");
 
-/** A formula in as many lines as its equations, for none to be cut off; one that was `typed` breaks between all its terms. */
+/** A formula with a line for each equation, so that none is cut off; a `typed` one may break between all its terms. */
 export function formulaOf(text, typed = false) {
   const math = parsed(text);
   return math ? inLines(typed ? terms(math) : math.childNodes, typed) : [];

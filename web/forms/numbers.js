@@ -22,7 +22,7 @@ export function roundStep(low, high, n) {
   return unit * ([1, 2, 5].find((m) => m * unit >= raw) ?? 10);
 }
 
-/** The multiples of `step` in [low, high]; none where they could not be told apart. */
+/** The multiples of `step` in [low, high]; none if there are 100 or more, which could not be told apart. */
 export function multiples(low, high, step) {
   const first = Math.ceil(low / step), last = Math.floor(high / step);
   return last - first < 100 ? Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step) : [];
@@ -45,5 +45,5 @@ export function decades(low, high, many = 8) {
   return multiples(first, last, Math.max(1, Math.ceil((last - first) / many))).map((n) => 10 ** n);
 }
 
-/** Their labels. */
+/** The labels of powers of ten. */
 export const decadeLabels = (marks) => marks.map((v) => powerOfTen(Math.round(Math.log10(v))));

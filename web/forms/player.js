@@ -39,7 +39,7 @@ export class Player {
     return this.#time;
   }
 
-  /** The times of the runs that are shown, in a `unit` of their own, `to` before `from` where they go backward; one within them stays. */
+  /** Sets the times of the runs, in their `unit`; `to` < `from` for runs backward. The present time stays if it is among them. */
   span(from, to, unit = "") {
     this.#span = [from, to];
     this.#unit = unit && ` ${unit}`;
@@ -48,14 +48,14 @@ export class Player {
     this.#set(this.#time);
   }
 
-  /** Starts by itself, unless less motion is wished for. */
+  /** Plays from the start, unless the user prefers reduced motion. */
   begin() {
     if (still.matches) return this.rest();
     this.#set(this.#span[0]);
     this.play();
   }
 
-  /** Shows all. */
+  /** Pauses, and shows whole runs. */
   rest() {
     this.pause();
     this.#set(null);

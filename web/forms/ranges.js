@@ -10,7 +10,7 @@ export function scaleOf({ low, high, log = false }) {
   return { at: (p) => low + ((high - low) * p) / whole, of: (v) => (whole * (v - low)) / (high - low) };
 }
 
-/** Digits that a step of a slider changes, and no more. */
+/** A value rounded to the digits that one step of a slider changes. */
 export const tidy = (value, { low, high, log }) => {
   if (log) return Number(value.toPrecision(3));
   const unit = 10 ** Math.floor(Math.log10((high - low) / 500));

@@ -1,4 +1,4 @@
-// The editor of a scene as text: its fields, what the service found in it, and what is wrong where.
+// The editor of a scene as text: its fields, what the service derived from it, and its faults with their places.
 import { known, text } from "../language/texts.js";
 import * as api from "../service/api.js";
 import { definitionOf, entries, kinds, placeOf, startIn, startValue, textsOf } from "../service/text.js";
@@ -29,7 +29,7 @@ const fields = [
   { key: "title", hint: text("own.untitled"), wide: true },
 ];
 
-/** An example in the language that is spoken, as far as it has texts in it. */
+/** An example with its texts in the language of the page, if it has any. */
 function spoken({ name, problem, ...example }) {
   const title = known(`example.${name}`) ?? example.title, note = known(`example.${name}.note`) ?? example.note;
   return { ...example, name, title, note, problem: { ...problem, ...(problem.title ? { title } : {}) } };
@@ -90,7 +90,7 @@ export class Editor {
     return node;
   }
 
-  /** What stands in the fields. */
+  /** The texts in the fields. */
   get texts() {
     return { kind: this.#kind, ...Object.fromEntries([...this.#parts].map(([key, { input }]) => [key, input.value])) };
   }
@@ -186,7 +186,7 @@ export class Editor {
     this.#busy(true);
     try {
       const from = doubled.length ? { faults: doubled } : await api.describe(problem, start, mine.signal);
-      // What can be read, but not from this start, is shown; another start may do.
+      // A text that is valid except for this start is shown, because another start may do.
       const { outcome: card = null } = from.faults && start && !doubled.length ? await api.describe(problem, undefined, mine.signal) : from;
       const begun = card && !start ? regular(card) : card;
       if (mine.signal.aborted) return null;
@@ -242,7 +242,7 @@ export class Editor {
     this.#typeset();
   }
 
-  /** Who looks at the derived equations sees them as formulas, which the service makes of them as of any that are typed. */
+  /** Shows the derived equations, once they are opened, as formulas, which the service makes of them as of typed equations. */
   async #typeset() {
     const derived = this.#derived;
     if (!derived || !find("#derived").open) return;
@@ -264,7 +264,7 @@ export class Editor {
 /** The initial text of a scene of one's own that is not an example: the shortest that runs. */
 const blank = { title: text("own.blank"), problem: { variables: ["x"], lagrangian: "vx^2/2" }, initial: { x: 0, px: 1 }, until: { t: 10 }, axes: { x: "t", y: "x" } };
 
-/** A card as it is, or where its motion is singular at 0 with the coordinates that the service says it can begin at. */
+/** A card with the start that the service proposes as default, if it does, because the motion is singular at 0. */
 const regular = (card) => (card.start ? { ...card, variables: card.variables.map((one) => ({ ...one, default: card.start[one.name] ?? one.default })) } : card);
 
 /** The text about a place, the place marked: a button that leads there. */

@@ -1,7 +1,7 @@
-// What the page says to the service, and nothing else. Addresses are relative: the page may be served under any path.
+// All requests of the page to the service. Addresses are relative: the page may be served under any path.
 import { text } from "../language/texts.js";
 
-/** The catalogue: `{version, problems, schemes}`; what is wrong with it is said once the texts are there, which `ready` tells. */
+/** The catalogue, `{version, problems, schemes}`. It waits for `ready`, because a fault needs the texts of the page. */
 export async function catalogue(ready) {
   const response = await fetch("v1/catalogue", { headers: { Accept: "application/json" } }).catch(() => null);
   await ready;
@@ -17,7 +17,7 @@ export async function scenes() {
 
 const headers = (accept) => ({ "Content-Type": "application/json", Accept: accept });
 
-/** Asks under `path` and resolves to the response, or to what is wrong; rejects only when aborted. */
+/** Posts to `path`; resolves to the response, or to `{faults}` if there is none; rejects only when aborted. */
 async function post(path, request, accept, signal) {
   try {
     return await fetch(path, { method: "POST", headers: headers(accept), body: JSON.stringify(request), signal });
@@ -27,10 +27,10 @@ async function post(path, request, accept, signal) {
   }
 }
 
-/** What there is to say where no whole answer came. */
+/** The faults for an answer that did not come, or not completely. */
 const lost = (name) => ({ faults: [{ detail: text(`answer.${name}`), lost: true }] });
 
-/** What a response says that is no success. */
+/** The faults in a response that is no success. */
 function refusal(response, answer) {
   if (answer?.errors?.length) return { faults: answer.errors };
   const wait = response.headers.get("Retry-After");
@@ -60,7 +60,7 @@ async function whole(response, signal) {
   return response.ok && answer ? { outcome: answer } : refusal(response, answer);
 }
 
-/** The same in lines, which go to `take(line)` as they come; resolves to `{}` at the end of them. */
+/** Like ask() for an answer in lines: calls `take(line)` for each as it comes, and resolves to `{}` at the end. */
 async function askLines(path, request, signal, take) {
   const response = await post(path, request, "application/x-ndjson", signal);
   if (response.faults) return response;
@@ -81,7 +81,7 @@ async function askLines(path, request, signal, take) {
   }
 }
 
-/** The card of a scene as text, which is looked at from a start. */
+/** The card of a scene as text, for a start. */
 export const describe = (problem, initial, signal) => ask("v1/problems", { problem, initial }, signal);
 export const simulate = (request, signal) => ask("v1/simulate", request, signal);
 export const stability = (request, signal) => ask("v1/stability", request, signal);
@@ -91,8 +91,8 @@ export const periodic = (request, signal, take) => askLines("v1/periodic", reque
 export const ensemble = (request, signal, take) => askLines("v1/ensemble", request, signal, take);
 
 /**
- * A run that is seen while it goes on: `take(outcome)` hears of it whenever the service tells how far it is, `status` then
- * "running", `t` the time that is reached, `trajectory` what is recorded so far.
+ * A run with its progress: `take(outcome)` is called whenever the service tells how far it is, with `status` "running", the time
+ * `t` reached and the `trajectory` recorded so far.
  */
 export async function follow(request, signal, take) {
   let outcome = null;

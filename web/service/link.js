@@ -1,4 +1,4 @@
-// What is on the screen as the part of the address behind `#`, and back: `lesson=orbit`, or an experiment,
+// The state of the page as the part of the address behind `#`, and back: `lesson=orbit`, or an experiment,
 // `problem=kepler&initial.x=0&A=leapfrog&A.step=0.01…`, which has the sections of a request and its schemes under the names
 // of the runs: {problem: {id, …}, preset: {id}, initial: {…}, until: {t}, record: {samples}, axes: {x, y, z}, A: {id, …}, …}.
 // What has its default is left out. The text of a scene of one's own stands in the section of its problem.
@@ -18,18 +18,18 @@ export function toHash(experiment) {
   return `#${pairs}`.replace(/%(2C|28|29|2F|3D)/g, decodeURIComponent);
 }
 
-/** Values come back as text; the fields they go to know what they are. `unread`: what means nothing. */
+/** The experiment of a link, with all values as texts, which the fields convert; `unread`: keys without a meaning. */
 export function fromHash(hash) {
   const experiment = {}, unread = [];
   for (const [key, value] of new URLSearchParams(hash.replace(/^#/, ""))) {
     const [section, name = "id"] = key.split(".");
     if (sections.includes(section)) (experiment[section] ??= {})[name] = value;
-    else if (key !== "lang") unread.push(key); // which says how all this is told
+    else if (key !== "lang") unread.push(key); // "lang" is the language of the page
   }
   return { experiment, unread };
 }
 
-/** Whether a link presents: `…&present`; and one that does, or does not. */
+/** Whether a link asks for presentation mode, `…&present`; and a link that does, or does not. */
 export const presents = (hash) => new URLSearchParams(hash.replace(/^#/, "")).has("present");
 export const presenting = (hash, on) => hash.replace(/&present(=[^&]*)?(?=&|$)/g, "") + (on ? "&present" : "");
 
@@ -45,7 +45,7 @@ export function lessonOf(hash) {
 export const lessonHash = (id, { set, steps } = {}) =>
   `#lesson=${id}${set === undefined ? "" : `&set=${set}`}${steps ? `&steps=${steps.join(",")}` : ""}`;
 
-/** The starts of requests that differ in nothing else, beside that of the first: those of a portrait. */
+/** The starts of a portrait: those of all requests but the first, if they differ only by two variables of the start. */
 function startsOf(requests) {
   const rest = ({ problem, until, scheme }) => JSON.stringify([problem, until, scheme]), [first, ...others] = requests;
   const names = Object.keys(first.initial ?? {}), like = (request) => rest(request) === rest(first) && String(Object.keys(request.initial)) === String(names);
@@ -54,8 +54,8 @@ function startsOf(requests) {
 }
 
 /**
- * The workbench with these requests, as far as they are of one scene: that of the first, with its basins, its events and columns of
- * its own, over `axes`; `back`: each run goes back from its end.
+ * The link to the workbench with the scene of the first request (with its basins, events and columns) and the runs of those
+ * requests that have the same scene, over `axes`; `back`: each run goes back from its end.
  */
 export function benchLink(requests, axes = {}, back = false) {
   const scene = ({ problem, initial, until }) => ({ problem, initial, until }), first = JSON.stringify(scene(requests[0]));

@@ -1,6 +1,6 @@
 // Requests that follow a hand: one is in flight, and only the newest of those that came meanwhile is asked next.
 
-/** `answer(question, signal)` resolves to what `show(answer, question)` takes. */
+/** Calls `show` with the result of `answer(question, signal)` and the question. */
 export class Live {
   #answer;
   #show;
@@ -12,19 +12,19 @@ export class Live {
     this.#show = show;
   }
 
-  /** Asks, after what is in flight, unless a newer question comes before that; `urgent` drops what is in flight. */
+  /** Asks when the request in flight is answered, unless a newer question comes first; `urgent` drops the request in flight. */
   ask(question, urgent = false) {
     if (urgent) this.stop();
     this.#next = question;
     if (!this.#flight) this.#fly();
   }
 
-  /** Whether a newer question than the one that was answered last is still to be asked. */
+  /** Whether a question waits for the request in flight. */
   get waiting() {
     return this.#next !== null;
   }
 
-  /** Drops what is in flight, and what waits for that. */
+  /** Drops the request in flight and the question that waits for it. */
   stop() {
     this.#next = null;
     this.#flight?.abort();

@@ -25,7 +25,7 @@ function split(text) {
   return parts;
 }
 
-/** The parts of a text with their places: `[{name, at, value, from}]`, of a list of names with `value` null. */
+/** The parts of a text, `[{name, at, value, from}]`: `name = value` with the places of both; `value` is null for a name alone. */
 export function entries(text) {
   return split(text).filter(([part]) => part.trim()).map(([part, index]) => {
     const sign = part.indexOf("="), blank = (from) => index + from + part.slice(from).search(/\S|$/);
@@ -34,14 +34,14 @@ export function entries(text) {
   });
 }
 
-/** A text as the number or the list of numbers that it is. */
+/** A text as a number or a list of numbers, if it is one; else the text. */
 function numbered(text) {
   if (text !== "" && Number.isFinite(Number(text))) return Number(text);
   const list = /^\[(.*)\]$/s.exec(text)?.[1].split(",").map((part) => numbered(part.trim()));
   return list?.every((value) => typeof value === "number") ? list : text;
 }
 
-/** `{kind, variables, parameters, formula, masses, …}`, all texts, as `{problem, faults}`: a request's, and what no object holds. */
+/** The texts `{kind, variables, parameters, formula, masses, …}` as a problem of a request, with the faults of its lists. */
 export function definitionOf({ kind, formula, ...texts }) {
   const problem = { id: custom }, faults = [], given = { ...texts, [kind]: formula };
   for (const key of keys) {
@@ -56,7 +56,7 @@ export function definitionOf({ kind, formula, ...texts }) {
   return { problem, faults };
 }
 
-/** JSON as what it says; what is none stays a text, which the service refuses. */
+/** The value of a JSON text; any other text stays a text, which the service refuses. */
 function read(text) {
   try {
     return JSON.parse(text);
@@ -91,7 +91,7 @@ export function textsOf(problem, brief = false) {
   return { kind, ...Object.fromEntries(texts.filter(([, said]) => said !== "")) };
 }
 
-/** A problem of a request as the section of a link, and back; parameters stand flat in both. */
+/** A problem of a request as the section of a link, and back; in both, parameters are entries beside the others. */
 export function linked({ id, ...problem }) {
   if (id !== custom) return { id, ...problem };
   const { kind, formula, ...texts } = textsOf(problem, true), flat = Object.entries(problem).filter(([key]) => !keys.includes(key));
@@ -126,13 +126,13 @@ export function startIn({ variables = [], lagrangian, equations }, initial) {
   return fitting.length ? Object.fromEntries(fitting) : undefined;
 }
 
-/** The names that a name of many, `x[3]`, stands for: x[1] to x[3], and x for a list of all. */
+/** The names declared by `x[3]`: x[1] to x[3], and x for the list of all. */
 function spelledOut(name) {
   const [, letter, n] = /^(\w+)\[(\d+)\]$/.exec(name) ?? [];
   return letter ? [letter, ...Array.from({ length: Math.min(n, 2048) }, (_, i) => `${letter}[${i + 1}]`)] : [name];
 }
 
-/** A number of a start, or the numbers of a list, as a link holds them. */
+/** A value of a start in a link: a number, or a list of numbers. */
 export function startValue(value) {
   const numbers = String(value).split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
   return Array.isArray(value) || numbers.length > 1 ? numbers : numbers[0];

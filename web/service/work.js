@@ -1,13 +1,13 @@
 // Equal work: steps with which all runs evaluate the force as often as the first.
 
-/** The setting of a scheme that its work is inversely proportional to, or none. */
+/** The setting to which the work of a scheme is inversely proportional, or none. */
 export const workSetting = (scheme) => ["step", "sigma"].find((name) => Number.isFinite(scheme[name]) && !("theta" in scheme));
 
-/** A number with no more digits than say something. */
+/** A number rounded to so many significant `digits`. */
 export const rounded = (value, digits = 3) => Number(value.toPrecision(digits));
 
 /**
- * `[{scheme, outcome}]` → the settings, null where a run has none that its work goes with, or failed. The first stays.
+ * `[{scheme, outcome}]` → the settings of equal work, null where a run has no such setting or failed. The first stays.
  */
 export function equalWork(runs) {
   const forces = (run) => run.outcome?.status === "completed" && run.outcome.cost.force_evaluations;

@@ -37,7 +37,7 @@ function cardsOf(problem) {
   ];
 }
 
-/** The first of `schemes` that is explicit with steps of its caller; else such a one that keeps the problem's structure. */
+/** The first of `schemes` that is explicit and does not choose its steps; else such a symmetric one that keeps a structure. */
 export function schemeOf(problem, schemes, cards) {
   const fits = ({ id }) => cards.some((card) => card.id === id && !card.implicit && !card.own_clock);
   const keeps = cards.filter(({ id, structure, symmetric }) => problem.schemes.includes(id) && structure !== "none" && symmetric);

@@ -75,7 +75,7 @@ export class Background {
     return { axes, field: fieldPicture({ x: [low.x, high.x], y: [low.y, high.y], n: side, level: heights, u, v, arrows, kept, parts: names.includes("energy") }) };
   }
 
-  /** Shows the picture of an answer and tells the equilibria or the faults. */
+  /** Takes the picture of an answer, and shows the list of equilibria or the first fault. */
   #take({ field: made, faults = [] }) {
     this.#field = made;
     find("#level-fault").textContent = faults.map(faultText)[0] ?? "";

@@ -138,7 +138,7 @@ export class Starts {
     return Promise.all(Array.from({ length: atOnce }, one));
   }
 
-  /** The starts of a run, `[{at: [x, y], trajectory}]`; a start whose run is still to come, or was refused, has its last one or none. */
+  /** The starts of a run, `[{at: [x, y], trajectory}]`: the previous trajectory until the new one comes, none if it was refused. */
   of(name) {
     return this.#shown.map((at, i) => {
       const start = `${name}${i}`, key = this.#asked.get(start);

@@ -1,5 +1,5 @@
-// Forces so weak that high coefficients of a Taylor series underflow, and series that end: how long a step may be is
-// not told by its last coefficients.
+// Forces so weak that high coefficients of a Taylor series underflow, and series that end: then the last coefficients
+// do not determine the length of a step.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +55,7 @@ TEST(WeakForce, OfAnyShapeLeavesFreeMotionFree) {
   }
 }
 
-// What a step of free fall is good for is all of the way, however long; what rests takes one.
+// The series of free fall and of rest are exact, so that their steps may have any length.
 TEST(WeakForce, EndsASeriesThatIsExact) {
   const auto fall = runs::go(moving(potential("1e-40*x"), {1, 1}, 1e42, "taylor")).outcome;
   ASSERT_EQ(fall.stop.reason, ReturnCode::completed) << fall.stop.detail;
@@ -67,7 +67,7 @@ TEST(WeakForce, EndsASeriesThatIsExact) {
   EXPECT_LT(rest.cost.steps, 10);
 }
 
-// x = t, y = t⁷/7, z = t⁴³/(43·7⁶): no coefficient of z up to the order 42 says that it is to move.
+// x = t, y = t⁷/7, z = t⁴³/(43·7⁶): all coefficients of z up to the order 42 are zero.
 TEST(WeakForce, MaySleepBehindTwoOthers) {
   Request request = moving(flow({"x", "y", "z"}, {}, {{"x", "1"}, {"y", "x^6"}, {"z", "y^6"}}), {0, 0, 0}, 2, "taylor");
   runs::set(request, "order", 5);

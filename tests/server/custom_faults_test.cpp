@@ -63,8 +63,8 @@ std::vector<std::string> pointers_of(const Reply& reply) {
   return pointers;
 }
 
-// A fault in the scene hides nothing of the rest of the request, which is read by the names that the scene has all the
-// same; and nothing is told that is no fault once the scene is mended.
+// A fault in the scene hides no fault in the rest of the request, which is read with the names that the scene declares
+// nevertheless; and no fault is told that vanishes when the scene is corrected.
 TEST_F(CustomFaults, OfASceneHideNothingOfTheRequest) {
   const struct {
     const char *path, *request;
@@ -127,7 +127,7 @@ TEST_F(CustomFaults, OfASceneHideNothingOfTheRequest) {
     EXPECT_EQ(pointers_of(ask(port(), post(row.path, row.request))), row.pointers) << row.request;
 }
 
-// Of a number that is typed as a text it is said what is wrong with the text, and where.
+// The fault of a number given as text tells what is wrong with the text, and at which position.
 TEST_F(CustomFaults, OfANumberAsTextSayWhatIsWrongWithIt) {
   const struct {
     const char *until, *says;

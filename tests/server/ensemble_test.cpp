@@ -320,7 +320,7 @@ TEST_F(EnsembleHttp, SaysOfWhichMembersEventsAreUnresolved) {
   EXPECT_EQ(told(Json::parse(lines.substr(lines.rfind("\n{") + 1))), whole);
 }
 
-// A column that is no finite number for some members is left out of statistics, and the answer says of how many.
+// Members for which a column is not finite are left out of its statistics, and the answer tells their number.
 TEST_F(EnsembleHttp, SaysForHowManyMembersAColumnIsNotFinite) {
   const std::string request =
       R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": {"t": 1},

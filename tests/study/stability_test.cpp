@@ -105,7 +105,8 @@ TEST(StableStepsTest, OfWhatIsDampedAreOnTheRayOfTheStep) {
   EXPECT_NEAR(theory("runge_kutta_4", {1}, 2).limit, 2.785293563405282, 1e-8) << "its interval on the real axis";
   for (const std::string_view scheme : {"explicit_euler", "explicit_midpoint"})
     EXPECT_EQ(theory(scheme, {1}, 0).limit, 0) << scheme;
-  // Where it is critical, z = 0 is not stable at the a of the step that is: no matter, no step gets there.
+  // At critical damping, a = 2 z, the step with a = 3 is stable although z = 0 with the same a is not: steps lie on the
+  // ray through the origin and do not meet z = 0.
   EXPECT_FALSE(is_stable(find_scheme("runge_kutta_4").value(), std::vector{1.0}, 0, 3));
   EXPECT_TRUE(is_stable(find_scheme("runge_kutta_4").value(), std::vector{1.0}, 1.5, 3));
 }

@@ -1,5 +1,5 @@
-// Tests linked with this file give runs processor seconds: what a run finds before its limit of seconds does not depend
-// on what else the machine does.
+// In tests linked with this file the time limit of runs counts processor seconds, so that results do not depend on
+// other load of the machine.
 #include "tests/support/processor_clock.hpp"
 
 namespace {

@@ -322,17 +322,14 @@ TEST_F(EnsembleHttp, SaysOfWhichMembersEventsAreUnresolved) {
 
 // Members for which a column is not finite are left out of its statistics, and the answer tells their number.
 TEST_F(EnsembleHttp, SaysForHowManyMembersAColumnIsNotFinite) {
-  const std::string request =
-      R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": {"t": 1},
-          "columns": ["q", {"name": "l", "expression": "log(q)"}], "keep": ["final"],
-          "histograms": {"l": {"range": [-5, 5], "bins": 1}},
-          "members": {
-  "vary" : {
-    "/initial/q" : { "values" : [ -3, -2, -1, 1 ] }
-  }
+  Json counted = Json::parse(
+      R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": 1, "keep": ["final"],
+          "columns": ["q", {"name": "l", "expression": "log(q)"}], "histograms": {
+  "l" : { "range" : [ -5, 5 ], "bins" : 1 }
 }
-})";
-  Json with_statistics = Json::parse(request), without = with_statistics;
+})");
+  counted["members"]["vary"]["/initial/q"]["values"] = {-3, -2, -1, 1};
+Json with_statistics = counted, without = counted;
 with_statistics["keep"] = {"statistics", "final"};
 without.erase("histograms");
 const auto told = [&](const Json& asked) {
@@ -343,7 +340,7 @@ const auto told = [&](const Json& asked) {
     if (warning["code"] == "values_not_finite") all.push_back(warning["detail"]);
   return all;
 };
-for (const Json& asked : {with_statistics, Json::parse(request)}) {
+for (const Json& asked : {with_statistics, counted}) {
   const auto all = told(asked);
   ASSERT_EQ(all.size(), 1U);
   EXPECT_EQ(all[0].find("l is not a finite number for 3 of the 4 members"), 0U) << all[0];

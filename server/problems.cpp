@@ -25,8 +25,7 @@ Prepared describe_scene(const Context& context, const HttpRequest& request) {
   const text::TextScene* const text = scene.mechanics->text();
   const bool asks_for_start = text && !text->known && !body->tree.contains("initial");
   const auto start = asks_for_start ? regular_start(scene) : std::nullopt;
-  return Answer{
-      200, "application/json", describe_problem(*scene.mechanics, asks_for_start ? &start : nullptr) + '\n', {}};
+  return Answer{200, "application/json", describe_problem(scene, asks_for_start ? &start : nullptr) + '\n', {}};
 }
 
 }  // namespace least::server

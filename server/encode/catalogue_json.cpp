@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/catalogue/recorded.hpp"
 #include "core/run/columns.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/velocities.hpp"
@@ -131,27 +132,46 @@ void write_language(JsonWriter& json) {
   json.close('}').close('}');
 }
 
-// Writes what was recognised in a scene given as text; for a problem of the catalogue also its text, as a request gives
-// it. Equations are written only for POST /v1/problems, as they are long with many bodies.
+// Writes what was recognised in the mechanics. Equations are written only for POST /v1/problems, as they are long with
+// many bodies.
 void write_form(JsonWriter& json, const text::TextScene& scene, bool with_equations) {
   const text::Form& form = *scene.form;
   json.key("form").open('{').key("kind").text(text::form_names[static_cast<std::size_t>(form.kind)]);
   json.key("autonomous").boolean(form.autonomous).key("keeps_energy").boolean(form.keeps_energy);
   if (form.forced) json.key("forced").boolean(true);
   json.close('}');
-  if (with_equations) {
-    const text::TextScene::Said equations = scene.equations();
-    json.key("equations").open('{');
-    for (const auto& [name, rate] : equations) json.key(name).text(rate);
-    json.close('}');
-    if (const std::string note = scene.note_on_equations(equations); !note.empty())
-      json.key("equations_note").text(note);
-  }
+  if (!with_equations) return;
+  const text::TextScene::Said equations = scene.equations();
+  json.key("equations").open('{');
+  for (const auto& [name, rate] : equations) json.key(name).text(rate);
+  json.close('}');
+  if (const std::string note = scene.note_on_equations(equations); !note.empty()) json.key("equations_note").text(note);
+}
+
+// What a scene as text has beside its form: of one of the catalogue that text, as a request gives it.
+void write_text(JsonWriter& json, const text::TextScene& scene) {
   if (scene.definition.typed) write_pictures(json, scene.definition.typed->pictures);
   if (!scene.known) return write_language(json);
   json.key("text").open('{').key("id").text("custom");
   write_definition(json, scene.definition);
   json.close('}');
+}
+
+// recorded_words returns a compiled problem of the catalogue as a scene of equations, with the names of its card;
+// nothing where its equations cannot be recorded.
+std::optional<text::TextScene> recorded_words(const Scene& scene) {
+  const ProblemCard& card = scene.card();
+  std::vector<bool> named;
+  text::Definition definition;
+  definition.kind = text::Definition::Kind::equations;
+  for (const auto& parameter : card.parameters) {
+    named.push_back(parameter.kind == Kind::number);
+    definition.parameters.emplace_back(parameter.name, parameter.value);
+  }
+  auto form = recorded_in_parameters(scene, named, false);
+  if (!form) return std::nullopt;
+  for (std::size_t i = 0; i < form->coordinates; ++i) definition.variables.push_back(card.variables[i].name);
+  return text::TextScene::of(std::move(definition), std::move(form));
 }
 
 // Writes the coordinates that are not 0; null where no start was found at which a motion can begin.
@@ -163,8 +183,9 @@ void write_start(JsonWriter& json, const ProblemCard& card, const PossibleStart&
   json.close('}');
 }
 
+// `scene`: of the problem, whose form and equations are to be told, or null.
 void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<const SchemeCard> schemes,
-                        bool with_equations, const PossibleStart* start = nullptr) {
+                        const Scene* scene = nullptr, const PossibleStart* start = nullptr) {
   const ProblemCard& card = problem.card();
   json.open('{').key("id").text(card.id).key("title").text(card.title).key("summary").text(card.summary);
   json.key("formula").text(card.formula);
@@ -195,7 +216,12 @@ void write_problem_card(JsonWriter& json, const Mechanics& problem, std::span<co
   for (const auto index : card.schemes) json.text(schemes[index].id);
   json.text(auto_card().id).close(']').key("offers").text(card.offers);
   write_texts(json.key("references"), card.references);
-  if (const text::TextScene* text = problem.text()) write_form(json, *text, with_equations);
+  if (const text::TextScene* text = problem.text()) {
+    write_form(json, *text, scene != nullptr);
+    write_text(json, *text);
+  } else if (const auto words = scene ? recorded_words(*scene) : std::nullopt) {
+    write_form(json, *words, true);
+  }
   if (start) write_start(json.key("start"), card, *start);
   json.close('}');
 }
@@ -249,10 +275,10 @@ void write_scheme_card(JsonWriter& json, const SchemeCard& card) {
 
 }  // namespace
 
-std::string describe_problem(const Mechanics& problem, const PossibleStart* start) {
+std::string describe_problem(const Scene& scene, const PossibleStart* start) {
   std::string text;
   JsonWriter json(text);
-  write_problem_card(json, problem, problem.schemes(), true, start);
+  write_problem_card(json, *scene.mechanics, scene.mechanics->schemes(), &scene, start);
   return text;
 }
 
@@ -260,7 +286,7 @@ CatalogueText describe(const Cards& cards) {
   CatalogueText text;
   for (const auto& problem : cards.problems) {
     JsonWriter json(text.problems[problem->card().id]);
-    write_problem_card(json, *problem, cards.schemes, false);
+    write_problem_card(json, *problem, cards.schemes);
   }
   for (const auto& card : cards.schemes) {
     JsonWriter json(text.schemes[card.id]);

@@ -22,8 +22,8 @@ CatalogueText describe(const Cards& cards);
 /// A start from which a motion can begin at rest, by coordinate of a scene given as text; nothing where none was found.
 using PossibleStart = std::optional<std::vector<double>>;
 
-/// describe_problem returns the card of one problem; for a scene given as text with its form and equations, and with
-/// `start` if that pointer is not null.
-std::string describe_problem(const Mechanics& problem, const PossibleStart* start = nullptr);
+/// describe_problem returns the card of the problem of a scene, with its form and equations for the choices and whole
+/// numbers of the scene, and with `start` if that pointer is not null.
+std::string describe_problem(const Scene& scene, const PossibleStart* start = nullptr);
 
 }  // namespace least::server

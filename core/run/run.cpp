@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/run/hermite.hpp"
+#include "core/run/kink_start.hpp"
 #include "core/run/method_switch.hpp"
 #include "core/run/one_run.hpp"
 #include "core/run/start_check.hpp"
@@ -16,6 +17,8 @@ bool Run::initialize() {
   if (const auto objection = start_objection(problem_, state_.x, end_, integrator_->starts_regularly(state_.x)))
     return stop(objection->reason, objection->detail, objection->singular_at);
   if (const std::string why = integrator_->unsupported_reason(); !why.empty()) return stop(ReturnCode::singular, why);
+  if (scheme_.find("tolerance") && begins_on_kink(scene_, problem_, state_.x, end_ - state_.x.t))
+    return stop(ReturnCode::singular, std::string(starts_on_kink).append(" that become ever shorter"));
   diagnostics_.start(state_.x);
   evidence_.start(problem_, state_.x);
   if (diagnostics_.keeps_states()) snapshots_.see(state_);

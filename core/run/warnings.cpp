@@ -5,11 +5,17 @@
 #include <string>
 
 #include "core/run/control.hpp"
+#include "core/run/kink_start.hpp"
 #include "core/run/messages.hpp"
 #include "core/run/sensitivity.hpp"
 
 namespace least {
 namespace {
+
+RunState start_of(const FinishedRun& run) {
+  const Scene& scene = *run.request.scene;
+  return run.backend.motion().start(scene.initial, scene.start);
+}
 
 /// warn_of_step warns of ωh from half the stability bound on, or from the problem's careful_step.
 void warn_of_step(const FinishedRun& run, std::vector<Warning>& warnings) {
@@ -65,6 +71,21 @@ void warn_of_energy(const FinishedRun& run, std::vector<Warning>& warnings) {
   if (!why.empty()) warnings.push_back({"off_energy_level", why});
 }
 
+/// warn_of_kink warns of a run that begins at rest on a kink to which forces on both sides lead back, unless it stays
+/// there, as some schemes do under dry friction. Returns whether the run begins so.
+bool warn_of_kink(const FinishedRun& run, std::vector<Warning>& warnings) {
+  const RunState start = start_of(run);
+  if (!begins_on_kink(*run.request.scene, run.backend.motion(), start, run.state.x.t - start.t)) return false;
+  const std::size_t moving = run.backend.motion().traits.moving;
+  const auto moved = [&](const RunState& x) {
+    return !std::equal(start.numbers.begin(), start.numbers.begin() + static_cast<std::ptrdiff_t>(moving),
+                       x.numbers.begin());
+  };
+  if (std::ranges::any_of(run.evidence.states(), moved))
+    warnings.push_back({"starts_on_kink", std::string(starts_on_kink)});
+  return true;
+}
+
 /// warn_of_blur warns of formulas that lose their digits where the motion goes.
 void warn_of_blur(const FinishedRun& run, std::vector<Warning>& warnings) {
   constexpr double far = 100, least = 1e-10;
@@ -85,8 +106,8 @@ Departure departure_of(const FinishedRun& run, double large = large_error) {
   const double tolerance = run.scheme.id == "dormand_prince_5"  // the control's own
                                ? std::clamp(0.1 * run.request.setting("tolerance", run.scheme), closest, usual)
                                : usual;
-  return departure(run.backend, run.backend.motion().start(scene.initial, scene.start), run.evidence.states(),
-                   run.request.norm, kinds_of(scene.card()), large, tolerance, allowed, run.keep_going);
+  return departure(run.backend, start_of(run), run.evidence.states(), run.request.norm, kinds_of(scene.card()), large,
+                   tolerance, allowed, run.keep_going);
 }
 
 /// warn_of_blind_estimates warns of an error that is not large, but far larger than the tolerance of the steps, whose
@@ -106,7 +127,7 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   constexpr std::int64_t few = 20'000, many = 40'000;  // operations of an order of a series, some milliseconds
   const std::int64_t allowed = std::clamp<std::int64_t>(4 * run.integrator.work().forces, few, many);
   const Scene& scene = *run.request.scene;
-  const RunState start = run.backend.motion().start(scene.initial, scene.start);
+  const RunState start = start_of(run);
   const auto states = run.evidence.states();
   const auto sizes = divisors_along(run.backend, start, {states.begin(), states.end()}, run.request.norm,
                                     kinds_of(scene.card()), run.keep_going);
@@ -123,7 +144,7 @@ void warn_of_rest(const FinishedRun& run, std::vector<Warning>& warnings) {
   if (!scene.mechanics->text() || run.state.n == 0 || run.acted) return;
   if (!at_zero(scene.initial) || !at_zero(run.state.x.numbers)) return;
   const ProblemTable& problem = run.backend.motion();
-  const RunState start = problem.start(scene.initial, scene.start);
+  const RunState start = start_of(run);
   StateNumbers rates(std::max(start.size(), problem.traits.components));
   problem.rates(start, rates.data());
   const auto still = [&](const RunState& x) { return at_zero(x.numbers); };
@@ -154,7 +175,7 @@ void warn_of_run(const FinishedRun& run, std::vector<Warning>& warnings) {
   }
   if (const auto steps = run.integrator.fallback_steps(); steps > 0)
     warnings.push_back({"steps_in_time", messages::fallback_steps(steps, run.integrator.method().has_value())});
-  warn_of_energy(run, warnings);
+  if (!warn_of_kink(run, warnings)) warn_of_energy(run, warnings);
   warn_of_blur(run, warnings);
   warn_of_rest(run, warnings);
   if (!(control.error <= large_error))

@@ -15,7 +15,6 @@ namespace least::server::test {
 namespace {
 
 using CardEquations = Asking;
-using Json = nlohmann::json;
 
 TEST_F(CardEquations, OfAnOscillatorAreThoseOfTextbooks) {
   runs::problem_called("harmonic_oscillator");

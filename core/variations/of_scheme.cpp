@@ -1,5 +1,5 @@
 #include "core/catalogue/catalogue.hpp"
-#include "core/variations/neighbours.hpp"
+#include "core/variations/doubt.hpp"
 #include "core/variations/rows.hpp"
 #include "core/variations/scheme_map.hpp"
 #include "core/variations/start.hpp"
@@ -48,11 +48,10 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
   if (asked.whole_start) found.structure = structure_of(equations, start.state(), end, found.final);
 
   if (!found.events.empty())
-    found.reason = "times of events have derivatives along the motion alone: \"of\": \"motion\"";
+    add_reason("times of events have derivatives along the motion alone: \"of\": \"motion\"", found);
 
-  const Neighbours neighbours(request, asked, start);
-  if (const auto others = neighbours.differences(all.back(), keep_going))
-    found.uncertainty = disagreement({found.final}, {in_rows(equations, *others)});
+  found.uncertainty = 0;
+  add_doubt(doubt_by_runs(Neighbours(request, asked, start), equations, all.back(), keep_going), found);
   return found;
 }
 

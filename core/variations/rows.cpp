@@ -22,7 +22,8 @@ double disagreement(const std::vector<Slopes>& a, const std::vector<Slopes>& b) 
       if (const double d = std::abs(a[k][i] - b[k][i]); !(d <= most)) most = d;  // written so that NaN is kept
       largest = std::max(largest, std::abs(a[k][i]));
     }
-  return largest > 0 ? most / largest : 0;
+  if (largest > 0) return most / largest;
+  return most == 0 ? 0 : unknown;
 }
 
 std::vector<Report> structure_of(const ParametricScene& equations, const std::vector<double>& start,

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/run/messages.hpp"
+#include "core/variations/doubt.hpp"
 #include "core/variations/following.hpp"
 #include "core/variations/neighbours.hpp"
 #include "core/variations/random_direction.hpp"
@@ -16,11 +17,15 @@ namespace least::variations {
 namespace {
 
 /// doubt_of estimates the relative error of the first derivatives by a control in one direction, at samples and at the
-/// end: the control that was followed beside them, or, where steps are not precomputed or an event acts, one that is
-/// followed now, with half the tolerance and through the same events. Second derivatives are controlled pair by pair,
-/// in add_second.
-double doubt_of(const Question& question, const Followed& all, double tolerance, int order) {
-  if (all.control.size() == all.slopes.size()) return disagreement_along(all.slopes, question.weights, all.control);
+/// end: the control that was followed beside them, or one that is followed now, with half the tolerance and through the
+/// same events. The latter is needed where steps are not precomputed, where an event acts, and where the motion is so
+/// sensitive that the first control, which holds only while it stays close to the motion, has left it and is NaN.
+/// Second derivatives are controlled pair by pair, in add_second.
+Doubt doubt_of(const Question& question, const Followed& all, double tolerance, int order) {
+  if (all.control.size() == all.slopes.size()) {
+    const double beside = disagreement_along(all.slopes, question.weights, all.control);
+    if (!std::isnan(beside)) return {beside};
+  }
   Held of_control = HeldByThread::take(bytes_of_lists(all.slopes.size(), all.state.size()));
   Question one = question;
   std::vector<double> starts;
@@ -29,8 +34,8 @@ double doubt_of(const Question& question, const Followed& all, double tolerance,
   one.slopes = {sum_of(starts, question.weights)};
   one.weights.clear();
   const auto control = follow_all(one, tolerance, order);
-  const auto* known = std::get_if<Followed>(&control);
-  return known != nullptr ? disagreement_along(all.slopes, question.weights, known->slopes) : unknown;
+  if (const auto* why = std::get_if<std::string>(&control)) return {unknown, "of a control, " + *why};
+  return compared(disagreement_along(all.slopes, question.weights, std::get<Followed>(control).slopes));
 }
 
 /// Where an event has ended the run, move_to_event turns second derivatives at a fixed end time into those at the
@@ -61,17 +66,14 @@ void add_second(const Question& question, const Followed& all, double tolerance,
   Question of_end = question;
   of_end.times.clear();
   auto second = follow_pairs(of_end, found.pairs, tolerance, 0);
-  if (auto* why = std::get_if<std::string>(&second)) {
-    found.reason = std::move(*why);
-    return;
-  }
+  if (auto* why = std::get_if<std::string>(&second)) return add_reason(*why, found);
   move_to_event(question, all, found.pairs, std::get<std::vector<double>>(second));
   found.second = in_rows(equations, std::get<std::vector<double>>(second));
   auto other = follow_pairs(of_end, found.pairs, tolerance / 2, order_of_control(all.order));
-  auto* const known = std::get_if<std::vector<double>>(&other);
-  if (known) move_to_event(question, all, found.pairs, *known);
-  if (known)
-    found.uncertainty = std::max(found.uncertainty, disagreement({found.second}, {in_rows(equations, *known)}));
+  if (auto* why = std::get_if<std::string>(&other)) return add_doubt({unknown, "of a control, " + *why}, found);
+  auto& known = std::get<std::vector<double>>(other);
+  move_to_event(question, all, found.pairs, known);
+  add_doubt(compared(disagreement({found.second}, {in_rows(equations, known)})), found);
 }
 
 /// Where the equations are singular at the start, leave_singular_start lets the question begin a little later, or sets
@@ -152,7 +154,8 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
     return found;
   }
   auto& all = std::get<Followed>(followed);
-  found.uncertainty = doubt_of(question, all, tolerance / 2, order_of_control(all.order));
+  found.uncertainty = 0;
+  add_doubt(doubt_of(question, all, tolerance / 2, order_of_control(all.order)), found);
   if (asked.order == 2) add_second(question, all, tolerance, found);
 
   all.slopes.insert(all.slopes.begin(), at_start.begin(), at_start.end());
@@ -178,12 +181,7 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   found.samples.pop_back();
   if (switches(equations)) {  // derivatives across jumps of the rates are checked by differences of runs
     const Neighbours neighbours(closely(request, outcome), asked, question.start);
-    if (const auto others = neighbours.differences(at_end, keep_going)) {
-      const double doubt = disagreement({found.final}, {in_rows(equations, *others)});
-      if (!(doubt <= found.uncertainty)) found.uncertainty = doubt;
-    } else {
-      found.uncertainty = unknown;
-    }
+    add_doubt(doubt_by_runs(neighbours, equations, at_end, keep_going), found);
   }
   if (asked.whole_start) found.structure = structure_of(equations, question.start.state(), all.state, found.final);
   return found;

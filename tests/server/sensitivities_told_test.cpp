@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "tests/server/fixture.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -13,8 +15,11 @@ namespace {
 class SensitivitiesTold : public Asking {
  protected:
   static Json by(const Json& pointers) { return {{"by", pointers}, {"of", "motion"}}; }
-  /// differences() returns the derivatives by the initial x, from runs with neighbouring starts: of the final state,
-  /// then of the times of events.
+  static bool warns_of_uncertainty(const Json& made) {
+    const auto code = [](const Json& one) { return one["code"]; };
+    return std::ranges::count(made["warnings"], "uncertain_sensitivities", code) == 1;
+  }
+  /// By x of the start: rows of the end, then times of the events, from runs beside it.
   static std::vector<double> differences(Json request) {
     constexpr double h = 1e-4;
     request.erase("sensitivities");
@@ -154,11 +159,48 @@ TEST_F(SensitivitiesTold, WhatIsContradictedByRunsCarriesAWarning) {
     const bool worthless = x == 0;
     EXPECT_EQ(made["sensitivities"]["uncertainty"] > 0.1, worthless) << made["sensitivities"];
     EXPECT_TRUE(made["sensitivities"]["final"].is_array());
-    EXPECT_EQ(
-        std::ranges::count(made["warnings"], "uncertain_sensitivities", [](const Json& one) { return one["code"]; }),
-        worthless ? 1 : 0)
-        << made["warnings"];
+    EXPECT_EQ(warns_of_uncertainty(made), worthless) << made["warnings"];
   }
+}
+
+// Where rounding decides the motion, its derivatives are those of another motion. Two tolerances, whose motions part,
+// tell where that is; the uncertainty has to say so, however far the control of the derivatives has gone astray.
+TEST_F(SensitivitiesTold, DerivativesBeyondTheHorizonCarryAWarning) {
+  runs::problem_called("lorenz");
+  for (const double until : {25.0, 46.0, 48.0, 50.0, 60.0, 100.0}) {
+    const auto with = [&](double tolerance) {
+      return answer({{"problem", "lorenz"},
+                     {"until", until},
+                     {"scheme", {{"id", "taylor"}, {"tolerance", tolerance}}},
+                     {"record", {{"every", 0}}},
+                     {"sensitivities", by({"/initial/x"})}});
+    };
+    const Json made = with(1e-15), other = with(1e-12);
+    double largest = 0, apart = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double slope = made["sensitivities"]["final"][i][0], beside = other["sensitivities"]["final"][i][0];
+      largest = std::max(largest, std::abs(slope));
+      apart = std::max(apart, std::abs(slope - beside));
+    }
+    const bool worthless = apart > 0.1 * largest;
+    EXPECT_EQ(worthless, until > 40) << until;
+    ASSERT_TRUE(made["sensitivities"]["uncertainty"].is_number()) << until << made["sensitivities"];
+    EXPECT_EQ(made["sensitivities"]["uncertainty"] > 0.1, worthless) << until << made["sensitivities"];
+    EXPECT_EQ(warns_of_uncertainty(made), worthless) << until << made["warnings"];
+  }
+}
+
+// Where there is no uncertainty, or no derivative, there is a reason: here derivatives outgrow all numbers.
+TEST_F(SensitivitiesTold, WhatIsMissingHasAReason) {
+  runs::problem_called("lorenz");
+  const Json found = answer({{"problem", "lorenz"},
+                             {"until", 800},
+                             {"scheme", "taylor"},
+                             {"record", {{"every", 0}}},
+                             {"sensitivities", by({"/initial/x"})}})["sensitivities"];
+  EXPECT_TRUE(found["final"][0][0].is_null()) << found;
+  EXPECT_TRUE(found["uncertainty"].is_null()) << found;
+  EXPECT_TRUE(found.contains("reason")) << found;
 }
 
 TEST_F(SensitivitiesTold, TimesOfEventsOfAMapAreMissingForAReason) {

@@ -30,7 +30,8 @@ struct Ended {
 
   const variations::Sensitivities* slopes() const { return sensitivities ? &*sensitivities : nullptr; }
   std::size_t numbers_of_slopes() const {
-    return sensitivities ? sensitivities->samples.size() * sensitivities->final.size() : 0;
+    if (!sensitivities || sensitivities->samples.empty()) return 0;
+    return sensitivities->samples.size() * sensitivities->samples.front().size();
   }
   // Charges the text of all slopes at samples; where memory is short, they are left out.
   void hold_text_of_slopes() {

@@ -38,8 +38,14 @@ class Follower {
                                  order_of_control(made_.order));
   }
 
-  /// go() returns what was found, or why the end was not reached.
-  std::variant<Followed, std::string> go() {
+  Followed go() {
+    follow();
+    return std::move(made_);
+  }
+
+ private:
+  /// follow() reaches the end, or returns false and leaves the reason.
+  bool follow() {
     auto event = question_.events.begin();
     const auto to_event = [&](double t) {
       while (event != question_.events.end() && (!event->asked || event->t < t))
@@ -47,12 +53,10 @@ class Follower {
       return true;
     };
     for (const double t : question_.times)
-      if (!to_event(t) || !look(t)) return why_;
-    if (!to_event(std::numeric_limits<double>::infinity()) || !look(question_.end)) return why_;
-    return std::move(made_);
+      if (!to_event(t) || !look(t)) return false;
+    return to_event(std::nextafter(question_.end, std::numeric_limits<double>::infinity())) && look(question_.end);
   }
 
- private:
   static std::vector<Direction> directions_of(const Question& question, const Chosen& chosen) {
     std::vector<Direction> directions;
     for (const std::size_t d : chosen.directions) directions.push_back(question.directions[d]);
@@ -65,7 +69,7 @@ class Follower {
   bool reach(double t) {
     while (t > std::max(motion_.reach(), motion_.time())) {
       if (!question_.keep_going()) {
-        why_ = no_time;
+        made_.reason = no_time;
         return false;
       }
       if (!motion_.advance(question_.end)) return ends();
@@ -74,7 +78,7 @@ class Follower {
   }
   bool ends() {
     const double t = question_.asked.equations->backward ? 0 - motion_.time() : motion_.time();
-    why_ = "the motion and its derivatives cannot be followed beyond t = " + messages::number(t);
+    made_.reason = "the motion and its derivatives cannot be followed beyond t = " + messages::number(t);
     return false;
   }
 
@@ -128,23 +132,34 @@ class Follower {
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   VariedMotion motion_;
   Followed made_;
-  std::string why_;
 };
 
-std::variant<Followed, std::string> follow(const Question& question, const Chosen& chosen, double tolerance,
-                                           int order) {
+Followed follow(const Question& question, const Chosen& chosen, double tolerance, int order) {
   return Follower(question, chosen, tolerance, order).go();
 }
 
+/// append_each appends the numbers of another group at each time that both groups have reached.
 void append_each(std::vector<std::vector<double>>&& from, std::vector<std::vector<double>>& to) {
-  if (to.empty()) {
-    to = std::move(from);
-    return;
-  }
-  for (std::size_t i = 0; i < from.size(); ++i) {
+  to.resize(std::min(to.size(), from.size()));
+  for (std::size_t i = 0; i < to.size(); ++i) {
     to[i].insert(to[i].end(), from[i].begin(), from[i].end());
     from[i] = {};
   }
+}
+
+/// join adds the directions of another group to those of the groups before it.
+void join(Followed&& group, Followed& all) {
+  append_each(std::move(group.slopes), all.slopes);
+  append_each(std::move(group.time_slopes), all.time_slopes);
+  all.state = std::move(group.state);
+  if (all.reason.empty()) all.reason = std::move(group.reason);
+}
+
+/// nothing returns what was followed where directions are missing.
+Followed nothing(std::string reason) {
+  Followed none;
+  none.reason = std::move(reason);
+  return none;
 }
 
 }  // namespace
@@ -154,25 +169,22 @@ int order_of_control(int order) {
   return std::min(order + higher, tape::Series::most_orders);
 }
 
-std::variant<Followed, std::string> follow_all(const Question& question, double tolerance, int order) {
+Followed follow_all(const Question& question, double tolerance, int order) {
   Followed all;
   for (std::size_t first = 0, count = question.directions.size(); first < question.directions.size();) {
     count = std::min(count, question.directions.size() - first);
-    if (!question.keep_going()) return no_time;
+    if (!question.keep_going()) return nothing(no_time);
     try {
       Chosen chosen;
       for (std::size_t d = first; d < first + count; ++d) chosen.directions.push_back(d);
-      auto part = follow(question, chosen, tolerance, order);
-      if (auto* why = std::get_if<std::string>(&part)) return std::move(*why);
-      auto& made = std::get<Followed>(part);
-      all.order = made.order;
-      all.state = std::move(made.state);
-      all.control = std::move(made.control);
-      append_each(std::move(made.slopes), all.slopes);
-      append_each(std::move(made.time_slopes), all.time_slopes);
+      Followed group = follow(question, chosen, tolerance, order);
+      if (first == 0)
+        all = std::move(group);
+      else
+        join(std::move(group), all);
       first += count;
     } catch (const tape::TooManyOperations&) {
-      if (count == 1) return "the equations of their derivatives are too long";
+      if (count == 1) return nothing("the equations of their derivatives are too long");
       count = (count + 1) / 2;
     }
   }
@@ -183,9 +195,9 @@ std::variant<std::vector<double>, std::string> follow_pairs(
     const Question& question, const std::vector<std::pair<std::size_t, std::size_t>>& pairs, double tolerance,
     int order) {
   const auto of = [&](const Chosen& chosen) -> std::variant<std::vector<double>, std::string> {
-    auto followed = follow(question, chosen, tolerance, order);
-    if (auto* why = std::get_if<std::string>(&followed)) return std::move(*why);
-    return std::move(std::get<Followed>(followed).second);
+    Followed followed = follow(question, chosen, tolerance, order);
+    if (!followed.reason.empty()) return std::move(followed.reason);
+    return std::move(followed.second);
   };
   try {
     Chosen all{{}, pairs};

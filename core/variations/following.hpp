@@ -13,15 +13,17 @@
 
 namespace least::variations {
 
-/// Followed is the motion with its derivatives along some directions.
+/// Followed is the motion with its derivatives along some directions, as far as it was followed.
 struct Followed {
-  std::vector<double> state;                ///< at the end
-  std::vector<std::vector<double>> slopes;  ///< at each sample, then at the end: ∂x/∂θ, direction by direction
+  std::vector<double> state;  ///< at the end
+  /// At each sample, then at the end: ∂x/∂θ, direction by direction; fewer entries where the end was not reached
+  std::vector<std::vector<double>> slopes;
   std::vector<std::vector<double>> time_slopes;  ///< by event that was asked for: ∂t/∂θ, one per direction
   std::vector<double> second;                    ///< second derivatives at the end, pair by pair
   /// The control's derivative at the times of `slopes`; fewer entries: it did not reach the end
   std::vector<std::vector<double>> control;
   int order = 0;
+  std::string reason;  ///< why the end was not reached; empty where it was
 };
 
 /// Question is what to follow: from where to where, through which events, and along which directions.
@@ -42,9 +44,8 @@ struct Question {
 /// order_of_control returns the order of the control's series beside series of this order.
 int order_of_control(int order);
 
-/// follow_all follows all directions, in as few groups as have short enough equations; or says why the end was not
-/// reached.
-std::variant<Followed, std::string> follow_all(const Question& question, double tolerance, int order);
+/// follow_all follows all directions, in as few groups as have short enough equations.
+Followed follow_all(const Question& question, double tolerance, int order);
 
 /// follow_pairs returns second derivatives at the end, pair by pair: all computed together, or one pair after the other
 /// where that would be too long.

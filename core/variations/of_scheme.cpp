@@ -5,6 +5,38 @@
 #include "core/variations/start.hpp"
 
 namespace least::variations {
+namespace {
+
+/// whole_steps_of returns the numbers of steps of the first times, all those before the first one within a step.
+std::vector<std::int64_t> whole_steps_of(const Grid& grid, std::span<const double> times) {
+  std::vector<std::int64_t> steps;
+  for (const double t : times) {
+    const std::int64_t step = grid.step_before(t);
+    if (grid.time(step) != t) break;
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+/// walk_all walks along all directions of a request. Derivatives are stored direction by direction.
+Walked walk_all(Walk on, const SensitivitiesAsked& asked, const Start& start) {
+  Walked all;
+  for (const Quantity& by : asked.by) {
+    const std::vector<double> slope = start.slope(by);
+    const auto moved = by.kind == Quantity::Kind::parameter ? std::optional(by.index) : std::nullopt;
+    on.slope = slope;
+    Walked walked = walk(on, *asked.equations, moved);
+    if (!walked.reason.empty()) return walked;
+    all.slopes.resize(walked.slopes.size());
+    for (std::size_t k = 0; k < all.slopes.size(); ++k)
+      all.slopes[k].insert(all.slopes[k].end(), walked.slopes[k].begin(), walked.slopes[k].end());
+    all.states = std::move(walked.states);
+  }
+  return all;
+}
+
+}  // namespace
+
 Sensitivities sensitivities_of_scheme(const Request& request, const SensitivitiesAsked& asked, const Solution& outcome,
                                       std::span<const double> times, const KeepGoing& keep_going) {
   const ParametricScene& equations = *asked.equations;
@@ -16,42 +48,46 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
   for (const std::size_t place : equations.variables) found.rows.push_back(scene.card().variables[place].name);
   for (const Report& report : outcome.events)
     found.events.emplace_back(name_of_event(report), std::vector<double>(count, unknown));
-  if (outcome.stop.reason != ReturnCode::completed || !outcome.event.empty()) {
-    found.reason = "the run ended before its end, between or at a step that may be another for its neighbours";
-    return found;
-  }
-  const Grid grid(request, request.setting("step", scheme));
+  Grid grid(request, request.setting("step", scheme));
   std::vector<std::int64_t> looks;
-  for (const double t : times)
-    if (t < outcome.t) looks.push_back(grid.step_before(t));
+  Request beside = request;
+  const bool stopped = outcome.stop.reason != ReturnCode::completed || !outcome.event.empty();
+  if (stopped) {
+    found.reason = "the run ended before its end, between or at a step that may be another for its neighbours";
+    looks = whole_steps_of(grid, times);
+    if (looks.empty()) return found;
+    // The last of these samples takes the place of the end
+    beside.until_steps = true;
+    beside.steps = grid.steps = looks.back();
+    grid.tail = 0;
+    looks.pop_back();
+  } else {
+    for (const double t : times)
+      if (t < outcome.t) looks.push_back(grid.step_before(t));
+  }
   const std::size_t rows = looks.size() + 1;  // direction by direction, in rows, and for one direction
   found.held.add(2 * bytes_of_lists(rows, size * count) + bytes_of_lists(rows, 2 * size));
 
-  std::vector<Slopes> all(looks.size() + 1);
-  std::vector<double> end;
-  for (const Quantity& by : asked.by) {
-    const std::vector<double> slope = start.slope(by);
-    const auto moved = by.kind == Quantity::Kind::parameter ? std::optional(by.index) : std::nullopt;
-    const Walk on{request, scheme, grid, start.state(), slope, looks, keep_going};
-    const Walked walked = walk(on, equations, moved);
-    if (!walked.reason.empty()) {
-      found.reason = walked.reason;
-      return found;
-    }
-    for (std::size_t k = 0; k < all.size(); ++k)
-      all[k].insert(all[k].end(), walked.slopes[k].begin(), walked.slopes[k].end());
-    end = walked.states.back();
+  const Walk on{request, scheme, grid, start.state(), {}, looks, keep_going};
+  const Walked all = walk_all(on, asked, start);
+  if (!all.reason.empty()) {
+    found.reason = all.reason;
+    return found;
   }
-  found.final = in_rows(equations, all.back());
-  for (const double t : times)
-    found.samples.push_back(t < outcome.t ? in_rows(equations, all[found.samples.size()]) : found.final);
-  if (asked.whole_start) found.structure = structure_of(equations, start.state(), end, found.final);
+  if (stopped) {
+    for (const Slopes& slopes : all.slopes) found.samples.push_back(in_rows(equations, slopes));
+  } else {
+    found.final = in_rows(equations, all.slopes.back());
+    for (const double t : times)
+      found.samples.push_back(t < outcome.t ? in_rows(equations, all.slopes[found.samples.size()]) : found.final);
+    if (asked.whole_start) found.structure = structure_of(equations, start.state(), all.states.back(), found.final);
+  }
 
   if (!found.events.empty())
     add_reason("times of events have derivatives along the motion alone: \"of\": \"motion\"", found);
 
   found.uncertainty = 0;
-  add_doubt(doubt_by_runs(Neighbours(request, asked, start), equations, all.back(), keep_going), found);
+  add_doubt(doubt_by_runs(Neighbours(beside, asked, start), equations, all.slopes.back(), keep_going), found);
   return found;
 }
 

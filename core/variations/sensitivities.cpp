@@ -28,19 +28,23 @@ Doubt doubt_of(const Question& question, const Followed& all, double tolerance, 
   }
   Held of_control = HeldByThread::take(bytes_of_lists(all.slopes.size(), all.state.size()));
   Question one = question;
+  if (const std::size_t reached = all.slopes.size(); reached <= one.times.size()) {
+    one.end = one.times[reached - 1];
+    one.times.resize(reached - 1);
+  }
   std::vector<double> starts;
   for (const auto& slope : question.slopes) starts.insert(starts.end(), slope.begin(), slope.end());
   one.directions = {sum_of(question.directions, question.weights)};
   one.slopes = {sum_of(starts, question.weights)};
   one.weights.clear();
-  const auto control = follow_all(one, tolerance, order);
-  if (const auto* why = std::get_if<std::string>(&control)) return {unknown, "of a control, " + *why};
-  return compared(disagreement_along(all.slopes, question.weights, std::get<Followed>(control).slopes));
+  const Followed control = follow_all(one, tolerance, order);
+  if (!control.reason.empty()) return {unknown, "of a control, " + control.reason};
+  return compared(disagreement_along(all.slopes, question.weights, control.slopes));
 }
 
-/// Where an event has ended the run, move_to_event turns second derivatives at a fixed end time into those at the
-/// event. Events that act need no such change: theirs belong to the state that the event makes. `all` holds the motion
-/// and its first derivatives at that fixed time.
+/// move_to_event turns second derivatives at a fixed end time into those at the event that has ended the run. Events
+/// that act need no such change: theirs belong to the state that the event makes. `all` holds the motion and its first
+/// derivatives at that fixed time.
 void move_to_event(const Question& question, const Followed& all,
                    const std::vector<std::pair<std::size_t, std::size_t>>& pairs, std::vector<double>& second) {
   if (question.events.empty() || !question.events.back().ends_run || !question.events.back().asked) return;
@@ -105,6 +109,27 @@ std::vector<std::vector<double>> leave_singular_start(const Request& request, co
   return at_start;
 }
 
+/// Where an event has ended the run, the final state is taken at the event's time, which changes as well:
+/// move_to_event turns first derivatives at a fixed end time into those at the event.
+void move_to_event(const Question& question, Followed& all) {
+  if (question.events.empty() || !question.events.back().ends_run || !question.events.back().asked) return;
+  const std::vector<double> rates = question.slopes_of_events.rates(question.events.back().t, all.state);
+  const std::vector<double>& later = all.time_slopes.back();
+  for (std::size_t d = 0; d < later.size(); ++d)
+    for (std::size_t i = 0; i < rates.size(); ++i) all.slopes.back()[d * rates.size() + i] += rates[i] * later[d];
+}
+
+/// add_events adds the derivatives of the times of events, of those that were reached.
+void add_events(const Question& question, const Followed& all, Sensitivities& found) {
+  auto reached = all.time_slopes.begin();
+  for (const RunEvent& event : question.events) {
+    auto& told = found.events.emplace_back(event.name, std::vector<double>(question.asked.by.size(), unknown)).second;
+    if (!event.asked || reached == all.time_slopes.end()) continue;
+    told = *reached++;
+    for (double& slope : told) slope *= question.asked.equations->sign_of_time();
+  }
+}
+
 }  // namespace
 
 std::vector<bool> varied_parameters(const SensitivitiesAsked& asked, std::size_t parameters) {
@@ -148,35 +173,23 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
   }
   const auto at_start = leave_singular_start(request, outcome, question, found.reason);
   if (!found.reason.empty()) return found;
-  auto followed = follow_all(question, tolerance, 0);
-  if (auto* why = std::get_if<std::string>(&followed)) {
-    found.reason = std::move(*why);
-    return found;
+  Followed all = follow_all(question, tolerance, 0);
+  found.reason = all.reason;
+  if (!all.slopes.empty()) {
+    found.uncertainty = 0;
+    add_doubt(doubt_of(question, all, tolerance / 2, order_of_control(all.order)), found);
   }
-  auto& all = std::get<Followed>(followed);
-  found.uncertainty = 0;
-  add_doubt(doubt_of(question, all, tolerance / 2, order_of_control(all.order)), found);
-  if (asked.order == 2) add_second(question, all, tolerance, found);
-
-  all.slopes.insert(all.slopes.begin(), at_start.begin(), at_start.end());
-
-  auto time_slopes = all.time_slopes.begin();
-  for (const RunEvent& event : events) {
-    auto& told = found.events.emplace_back(event.name, std::vector<double>(asked.by.size(), unknown)).second;
-    if (!event.asked) continue;
-    told = std::move(*time_slopes++);
-    if (event.ends_run) {  // the final state is taken at the event's time, which changes as well
-      const std::vector<double> rates = slopes_of_events.rates(event.t, all.state);
-      for (std::size_t d = 0; d < told.size(); ++d)
-        for (std::size_t i = 0; i < rates.size(); ++i) all.slopes.back()[d * rates.size() + i] += rates[i] * told[d];
-    }
-    for (double& slope : told) slope *= equations.sign_of_time();
-  }
-  const std::vector<double> at_end = all.slopes.back();
+  const bool whole = all.reason.empty();
+  if (whole && asked.order == 2) add_second(question, all, tolerance, found);
+  add_events(question, all, found);
+  if (whole) move_to_event(question, all);
+  for (const auto& slopes : at_start) found.samples.push_back(in_rows(equations, slopes));
+  const std::vector<double> at_end = whole ? all.slopes.back() : std::vector<double>();
   for (auto& slopes : all.slopes) {
     found.samples.push_back(in_rows(equations, slopes));
     slopes = {};
   }
+  if (!whole) return found;
   found.final = std::move(found.samples.back());
   found.samples.pop_back();
   if (switches(equations)) {  // derivatives across jumps of the rates are checked by differences of runs

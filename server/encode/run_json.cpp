@@ -90,7 +90,8 @@ void write_section(const FinishedRun& run, std::size_t piece, std::string& out, 
 // Sensitivities at samples: a piece that opens their list, some samples in each piece, and a piece that closes it.
 std::size_t samples_in_a_piece(const FinishedRun& run) {
   constexpr std::size_t numbers = 8192;
-  return std::max<std::size_t>(numbers / std::max<std::size_t>(run.found->found.final.size(), 1), 1);
+  const auto& samples = run.found->found.samples;
+  return std::max<std::size_t>(numbers / std::max<std::size_t>(samples.empty() ? 1 : samples.front().size(), 1), 1);
 }
 std::size_t pieces_of_slopes(const FinishedRun& run) {
   if (!run.found || !run.found->asked.at_samples) return 0;

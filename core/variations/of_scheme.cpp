@@ -3,6 +3,7 @@
 #include "core/variations/rows.hpp"
 #include "core/variations/scheme_map.hpp"
 #include "core/variations/start.hpp"
+#include "core/variations/structure.hpp"
 
 namespace least::variations {
 namespace {
@@ -33,6 +34,18 @@ Walked walk_all(Walk on, const SensitivitiesAsked& asked, const Start& start) {
     all.states = std::move(walked.states);
   }
   return all;
+}
+
+/// map_of_steps returns the map of the scheme between two numbers of steps.
+std::optional<TangentMap> map_of_steps(const Walk& whole, const SensitivitiesAsked& asked, const Start& start,
+                                       double from, double to, const std::vector<double>& state) {
+  const auto first = static_cast<std::int64_t>(from);
+  Grid grid(whole.request, whole.grid.step, whole.grid.time(first), first);
+  grid.steps = static_cast<std::int64_t>(to);
+  grid.tail = grid.steps == whole.grid.steps ? whole.grid.tail : 0;
+  const Walked all = walk_all({whole.request, whole.scheme, grid, state, {}, {}, whole.keep_going}, asked, start);
+  if (!all.reason.empty()) return std::nullopt;
+  return tangent_map(*asked.equations, state, all.states.back(), all.slopes.back());
 }
 
 }  // namespace
@@ -80,7 +93,12 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
     found.final = in_rows(equations, all.slopes.back());
     for (const double t : times)
       found.samples.push_back(t < outcome.t ? in_rows(equations, all.slopes[found.samples.size()]) : found.final);
-    if (asked.whole_start) found.structure = structure_of(equations, start.state(), all.states.back(), found.final);
+    const auto map_of = [&](double from, double to, const std::vector<double>& state) {
+      return map_of_steps(on, asked, start, from, to, state);
+    };
+    if (asked.whole_start)
+      add_structure(equations, tangent_map(equations, start.state(), all.states.back(), all.slopes.back()),
+                    {0, static_cast<double>(grid.steps), true, map_of}, found);
   }
 
   if (!found.events.empty())

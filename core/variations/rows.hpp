@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "core/run/run_state.hpp"
 #include "core/variations/sensitivities.hpp"
 
 namespace least::variations {
@@ -19,11 +18,6 @@ constexpr std::size_t bytes_of_lists(std::size_t times, std::size_t numbers) {
 /// in_rows turns derivatives stored direction by direction into Slopes: component by component, with the sign of the
 /// card's variables.
 Slopes in_rows(const ParametricScene& equations, const std::vector<double>& by_direction);
-
-/// structure_of reports how well the map from start to end conserves the symplectic form, or the contact form where s
-/// is a component, up to a factor. `rows` are the derivatives by all components of the start.
-std::vector<Report> structure_of(const ParametricScene& equations, const std::vector<double>& start,
-                                 const std::vector<double>& end, const Slopes& rows);
 
 /// disagreement returns the largest difference of entries divided by the largest entry of a.
 double disagreement(const std::vector<Slopes>& a, const std::vector<Slopes>& b);

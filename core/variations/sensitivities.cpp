@@ -12,6 +12,7 @@
 #include "core/variations/neighbours.hpp"
 #include "core/variations/random_direction.hpp"
 #include "core/variations/rows.hpp"
+#include "core/variations/structure.hpp"
 
 namespace least::variations {
 namespace {
@@ -42,12 +43,17 @@ Doubt doubt_of(const Question& question, const Followed& all, double tolerance, 
   return compared(disagreement_along(all.slopes, question.weights, control.slopes));
 }
 
+/// ends_at_event tells whether an event that was asked for has ended the run.
+bool ends_at_event(const Question& question) {
+  return !question.events.empty() && question.events.back().ends_run && question.events.back().asked;
+}
+
 /// move_to_event turns second derivatives at a fixed end time into those at the event that has ended the run. Events
 /// that act need no such change: theirs belong to the state that the event makes. `all` holds the motion and its first
 /// derivatives at that fixed time.
 void move_to_event(const Question& question, const Followed& all,
                    const std::vector<std::pair<std::size_t, std::size_t>>& pairs, std::vector<double>& second) {
-  if (question.events.empty() || !question.events.back().ends_run || !question.events.back().asked) return;
+  if (!ends_at_event(question)) return;
   const RunEvent& event = question.events.back();
   if (question.slopes_of_events.acts(*event.asked)) return;
   const std::size_t size = all.state.size();
@@ -112,11 +118,30 @@ std::vector<std::vector<double>> leave_singular_start(const Request& request, co
 /// Where an event has ended the run, the final state is taken at the event's time, which changes as well:
 /// move_to_event turns first derivatives at a fixed end time into those at the event.
 void move_to_event(const Question& question, Followed& all) {
-  if (question.events.empty() || !question.events.back().ends_run || !question.events.back().asked) return;
+  if (!ends_at_event(question)) return;
   const std::vector<double> rates = question.slopes_of_events.rates(question.events.back().t, all.state);
   const std::vector<double>& later = all.time_slopes.back();
   for (std::size_t d = 0; d < later.size(); ++d)
     for (std::size_t i = 0; i < rates.size(); ++i) all.slopes.back()[d * rates.size() + i] += rates[i] * later[d];
+}
+
+/// volume_at_event returns what remains of volumes where the end is moved along the motion to the event that has ended
+/// the run: det(1 + f ∂t/∂x) = 1 + f·∂t/∂x, f being the rates. This is 0 where the event depends on the state alone.
+double volume_at_event(const Question& question, const std::vector<double>& end) {
+  constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+  if (!ends_at_event(question) || question.slopes_of_events.acts(*question.events.back().asked)) return 1;
+  const RunEvent& event = question.events.back();
+  const std::vector<double> rates = question.slopes_of_events.rates(event.t, end);
+  std::vector<double> along(end.size());
+  double volume = 1, terms = 1;
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    along[i] = 1;
+    const double term = rates[i] * question.slopes_of_events.time_slope(*event.asked, event.t, end, along, {});
+    along[i] = 0;
+    volume += term;
+    terms += std::abs(term);
+  }
+  return std::abs(volume) <= rounding * terms ? 0 : volume;
 }
 
 /// add_events adds the derivatives of the times of events, of those that were reached.
@@ -128,6 +153,22 @@ void add_events(const Question& question, const Followed& all, Sensitivities& fo
     told = *reached++;
     for (double& slope : told) slope *= question.asked.equations->sign_of_time();
   }
+}
+
+/// map_of_part returns the map of the motion between two times, through the events in between. An event that acts and
+/// ends the run belongs to the last part, with its time; one that only ends it is left to volume_at_event.
+std::optional<TangentMap> map_of_part(const Question& whole, double from, double to, const std::vector<double>& start,
+                                      double tolerance) {
+  std::vector<RunEvent> events;
+  for (const RunEvent& event : whole.events)
+    if ((event.t > from || from == whole.began) && (event.t <= to || to == whole.end)) events.push_back(event);
+  const Question part{
+      whole.asked,      from,        to, {}, whole.keep_going, whole.start, start, events, whole.slopes_of_events,
+      whole.directions, whole.slopes};
+  Followed all = follow_all(part, tolerance, 0);
+  if (!all.reason.empty()) return std::nullopt;
+  if (ends_at_event(part) && part.slopes_of_events.acts(*events.back().asked)) move_to_event(part, all);
+  return tangent_map(*whole.asked.equations, start, all.state, all.slopes.back());
 }
 
 }  // namespace
@@ -196,7 +237,13 @@ Sensitivities sensitivities_of_motion(const Request& request, const Sensitivitie
     const Neighbours neighbours(closely(request, outcome), asked, question.start);
     add_doubt(doubt_by_runs(neighbours, equations, at_end, keep_going), found);
   }
-  if (asked.whole_start) found.structure = structure_of(equations, question.start.state(), all.state, found.final);
+  if (asked.whole_start) {
+    const auto map_of = [&](double from, double to, const std::vector<double>& start) {
+      return map_of_part(question, from, to, start, tolerance);
+    };
+    add_structure(equations, tangent_map(equations, question.state, all.state, at_end),
+                  {question.began, question.end, false, map_of, volume_at_event(question, all.state)}, found);
+  }
   return found;
 }
 

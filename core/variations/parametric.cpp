@@ -21,11 +21,14 @@ using text::FormKind;
 class Writer {
  public:
   /// `numbers` are the values of the parameters that are not varied.
-  Writer(const text::Form& form, std::span<const double> numbers, const std::vector<bool>& varied,
+  Writer(const text::Form& form, std::span<const double> numbers, const std::vector<bool>& varied, bool with_action,
          ParametricScene& made)
-      : form_(form), numbers_(numbers), varied_(varied), made_(made), rewrite_(form.tape, made.tape, [this](int i) {
-          return variable_of_form(i);
-        }) {}
+      : form_(form),
+        numbers_(numbers),
+        varied_(varied),
+        with_action_(with_action),
+        made_(made),
+        rewrite_(form.tape, made.tape, [this](int i) { return variable_of_form(i); }) {}
 
   void write() {
     const std::size_t n = form_.coordinates;
@@ -36,7 +39,7 @@ class Writer {
       return;
     }
     made_.coordinates = n;
-    made_.acting = form_.reads_action;
+    made_.acting = form_.reads_action || (with_action_ && form_.kind == FormKind::contact_linear);
     made_.components = 2 * n + (made_.acting ? 1 : 0);
     const Symbol h = hamiltonian();
     std::vector<int> all(made_.components);
@@ -98,6 +101,7 @@ class Writer {
     Symbol twice_kinetic;
     for (std::size_t i = 0; i < n; ++i) twice_kinetic += component(n + i) * velocity[i];
     Symbol h = Symbol(0.5) * twice_kinetic + rewrite_(form_.potential);
+    if (form_.kind == FormKind::contact_linear && made_.acting) h += rewrite_(form_.damping) * component(2 * n);
     if (form_.kind == FormKind::contact_quadratic) {
       const Symbol s = component(2 * n);
       h += Symbol(0.5) * rewrite_(form_.action_curvature) * (s * s) - rewrite_(form_.offset);
@@ -123,6 +127,7 @@ class Writer {
   const text::Form& form_;
   std::span<const double> numbers_;
   const std::vector<bool>& varied_;
+  bool with_action_;
   ParametricScene& made_;
   tape::Substitution rewrite_;
 };
@@ -137,7 +142,8 @@ tape::Program program_of(ParametricScene& scene) {
 }  // namespace
 
 std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_scene(const Scene& scene,
-                                                                                   const std::vector<bool>& varied) {
+                                                                                   const std::vector<bool>& varied,
+                                                                                   bool with_action) {
   const text::TextScene* const text = scene.mechanics->text();
   const Scene& forward = forward_of(scene);
   std::shared_ptr<const text::Form> form;
@@ -154,7 +160,7 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
   made->parameters = scene.parameters;
   if (const auto& cards = forward.card().parameters; made->parameters.size() != cards.size())
     made->parameters = forward.parameters;
-  Writer(*form, made->parameters, varied, *made).write();
+  Writer(*form, made->parameters, varied, with_action, *made).write();
   const std::size_t n = made->coordinates;
   const std::size_t capacity = text ? static_cast<std::size_t>(text->capacity) : n;
   for (std::size_t i = 0; i < made->components; ++i) {
@@ -175,7 +181,7 @@ std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_sce
     made->varied_motion = equations(varied);
   } else if (const std::vector<bool> none(varied.size(), false); varied != none && made->components <= few) {
     ParametricScene numbers;
-    Writer(*form, made->parameters, none, numbers).write();
+    Writer(*form, made->parameters, none, with_action, numbers).write();
     made->motion = program_of(numbers);
   }
   return std::shared_ptr<const ParametricScene>(std::move(made));

@@ -16,8 +16,8 @@
 namespace least::variations {
 
 /// ParametricScene holds these equations on one tape. Its variables are the components of the state (q, p, and s where
-/// the motion needs it; of a flow, its variables), then the parameters in the order of the card. Shared and immutable
-/// once it is made; not movable, as its symbols point to its tape.
+/// the motion or who asks needs it; of a flow, its variables), then the parameters in the order of the card. Shared and
+/// immutable once it is made; not movable, as its symbols point to its tape.
 struct ParametricScene {
   ParametricScene() = default;
   ParametricScene(const ParametricScene&) = delete;
@@ -46,8 +46,10 @@ struct ParametricScene {
 };
 
 /// parametric_scene returns the equations of a scene, or why it has none. Only parameters marked in `varied` may be
-/// varied. Throws tape::TooManyOperations.
+/// varied. `with_action`: s is a component of every contact scene, also where the motion does not need it. Throws
+/// tape::TooManyOperations.
 std::variant<std::shared_ptr<const ParametricScene>, std::string> parametric_scene(const Scene& scene,
-                                                                                   const std::vector<bool>& varied);
+                                                                                   const std::vector<bool>& varied,
+                                                                                   bool with_action = false);
 
 }  // namespace least::variations

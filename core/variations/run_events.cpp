@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/run/acts.hpp"
 #include "core/variations/neighbours.hpp"
 #include "core/variations/sensitivities.hpp"
 
@@ -22,6 +23,16 @@ std::optional<std::string> text_of(const Report& event, std::string_view key) {
 std::string name_of_event(const Report& event) {
   const auto name = text_of(event, "name");
   return name ? *name : text_of(event, "kind").value_or("");
+}
+
+bool events_read_action(const Request& request) {
+  const auto& variables = request.scene->card().variables;
+  const auto s = std::ranges::find(variables, "s", &VariableCard::name);
+  const auto reads = [&](const Measures& measures) {
+    return measures.reads_energy() || measures.reads_variable(static_cast<std::size_t>(s - variables.begin()));
+  };
+  const auto sets_by_it = [&](const EventAsked& event) { return event.act && reads(event.act->values); };
+  return s != variables.end() && (reads(request.watched) || std::ranges::any_of(request.events, sets_by_it));
 }
 
 std::vector<RunEvent> events_of(const Request& request, const Solution& outcome) {

@@ -21,6 +21,10 @@ struct RunEvent {
   bool ends_run = false;
 };
 
+/// events_read_action tells whether events of the request, or what they set, depend on s: directly, or by the energy of
+/// a contact scene.
+bool events_read_action(const Request& request);
+
 /// events_of returns the events in the order of the run.
 std::vector<RunEvent> events_of(const Request& request, const Solution& outcome);
 

@@ -144,14 +144,23 @@ double volume_at_event(const Question& question, const std::vector<double>& end)
   return std::abs(volume) <= rounding * terms ? 0 : volume;
 }
 
+/// reason_without_slope says why the time of an event has no derivative.
+std::string reason_without_slope(const RunEvent& event) {
+  if (!event.asked) return "the times of events that were not asked for have no derivatives";
+  return "the time of " + event.name + " has no derivative, as its expression does not change in time there";
+}
+
 /// add_events adds the derivatives of the times of events, of those that were reached.
 void add_events(const Question& question, const Followed& all, Sensitivities& found) {
   auto reached = all.time_slopes.begin();
   for (const RunEvent& event : question.events) {
     auto& told = found.events.emplace_back(event.name, std::vector<double>(question.asked.by.size(), unknown)).second;
-    if (!event.asked || reached == all.time_slopes.end()) continue;
-    told = *reached++;
+    if (event.asked && reached == all.time_slopes.end()) continue;  // there is a reason why it was not reached
+    if (event.asked) told = *reached++;
     for (double& slope : told) slope *= question.asked.equations->sign_of_time();
+    if (std::ranges::all_of(told, [](double slope) { return std::isfinite(slope); })) continue;
+    if (const std::string why = reason_without_slope(event); found.reason.find(why) == std::string::npos)
+      add_reason(why, found);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "core/catalogue/catalogue.hpp"
 #include "core/text/expansion.hpp"
 #include "core/text/scene.hpp"
+#include "core/variations/run_events.hpp"
 #include "core/variations/scheme_map.hpp"
 #include "core/variations/varied_motion.hpp"
 #include "server/decode/scene_reader.hpp"
@@ -119,6 +120,24 @@ void take_whole_start(const Scene& scene, SensitivitiesAsked& asked) {
   }
 }
 
+// write_equations sets the equations to differentiate; false where there are none, which is a fault at `path`.
+bool write_equations(const Scene& scene, bool with_action, SensitivitiesAsked& asked, const FieldPath& path,
+                     const Json& json) {
+  const std::vector<bool> varied = varied_parameters(asked, scene.card().parameters.size());
+  try {
+    auto made = variations::parametric_scene(scene, varied, with_action);
+    if (auto* why = std::get_if<std::string>(&made)) {
+      path.fault(std::move(*why), json);
+      return false;
+    }
+    asked.equations = std::get<std::shared_ptr<const variations::ParametricScene>>(std::move(made));
+    return true;
+  } catch (const tape::TooManyOperations&) {
+    path.fault("the equations of the derivatives of this scene are too long", json);
+    return false;
+  }
+}
+
 }  // namespace
 
 std::string pointer_in_one_way(std::string pointer) {
@@ -184,17 +203,14 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
     path.fault("of the map of a scheme know no events that act", *json, "\"of\": \"motion\"");
   if (!top.faults->empty()) return;
 
-  try {
-    auto made = variations::parametric_scene(scene, varied_parameters(asked, scene.card().parameters.size()));
-    if (auto* why = std::get_if<std::string>(&made)) return path.fault(std::move(*why), *json);
-    asked.equations = std::get<std::shared_ptr<const variations::ParametricScene>>(std::move(made));
-  } catch (const tape::TooManyOperations&) {
-    return path.fault("the equations of the derivatives of this scene are too long", *json);
-  }
+  // Of the scheme's map, times of events are not differentiated
+  const bool events_need_action = variations::events_read_action(request);
+  if (!write_equations(scene, !asked.of_scheme && events_need_action, asked, path, *json)) return;
   if (asked.of_scheme) {
     std::string why = variations::no_walk(scene, *scheme, *asked.equations, asked.by);
     if (of && !why.empty()) return path.at("of").fault(std::move(why), *of, "motion");
     asked.of_scheme = why.empty();
+    if (!asked.of_scheme && events_need_action && !write_equations(scene, true, asked, path, *json)) return;
   }
   if (whole) take_whole_start(scene, asked);
   if (asked.order == 2) {

@@ -203,6 +203,59 @@ TEST_F(SensitivitiesTold, WhatIsMissingHasAReason) {
   EXPECT_TRUE(found.contains("reason")) << found;
 }
 
+// Events may read s, or the energy that contains it, where the motion itself does not need it.
+TEST_F(SensitivitiesTold, EventsThatReadTheActionAreGoneThrough) {
+  const Json typed = custom(R"~({"variables": ["x"], "potential": "x^2/2 + x^4/8", "damping": "0.1 + 0.05*sin(t)"})~");
+  const std::vector<Json> events{{{"expression", "s + 0.1"}, {"set", {{"px", "0.9*px"}}}},
+                                 {{"expression", "px"}, {"set", {{"px", "0.3 + s"}}}},
+                                 {{"expression", "x"}, {"set", {{"s", "s + x + 0.2*px"}, {"px", "px - s/10"}}}},
+                                 {{"expression", "s + 0.1"}},
+                                 {{"expression", "energy - 0.4"}},
+                                 {{"expression", "s + 0.1"}, {"stop", true}}};
+  for (const double until : {4.0, -4.0})
+    for (Json event : events) {
+      event["name"] = "k";
+      const Json request{{"problem", typed},
+                         {"initial", {{"x", 1}}},
+                         {"until", until},
+                         {"scheme", "taylor"},
+                         {"record", {{"every", 0}}},
+                         {"events", Json::array({event})},
+                         {"sensitivities", by({"/initial/x"})}};
+      const Json made = answer(request), found = made["sensitivities"];
+      ASSERT_TRUE(found["final"].is_array()) << found << event;
+      EXPECT_FALSE(found.contains("reason")) << found << event;
+      EXPECT_EQ(found["rows"], Json({"x", "px", "s"}));
+      const std::vector<double> truth = differences(request);
+      ASSERT_EQ(truth.size(), 2 + found["events"].size()) << event;
+      for (std::size_t i = 0; i < truth.size(); ++i) {
+        const Json& slope = i < 2 ? found["final"][i][0] : found["events"][i - 2]["t"][0];
+        EXPECT_NEAR(slope, truth[i], 1e-8) << until << i << event;
+      }
+    }
+}
+
+// With s the map of a damped motion is a contact map, which multiplies its form by e^{−αt}; a scheme's own map stays
+// that of (q, p), as events have no derivatives by it.
+TEST_F(SensitivitiesTold, TheActionJoinsTheMapWhereEventsReadIt) {
+  Json request{{"problem", custom(R"~({"variables": ["x"], "potential": "x^2/2", "damping": "0.1"})~")},
+               {"initial", {{"x", 1}}},
+               {"until", 4},
+               {"scheme", "taylor"},
+               {"events", Json::array({{{"name", "k"}, {"expression", "s + 0.1"}}})},
+               {"sensitivities", {{"by", "initial"}, {"of", "motion"}}}};
+  const Json whole = answer(request)["sensitivities"];
+  EXPECT_EQ(whole["by"], Json({"/initial/x", "/initial/px", "/initial/s"}));
+  EXPECT_NEAR(whole["structure"]["factor"], std::exp(-0.4), 1e-12);
+  EXPECT_LT(whole["structure"]["max_defect"], 1e-12);
+  request["scheme"] = "contact_leapfrog";
+  request["sensitivities"] = {{"by", "initial"}};
+  const Json map = answer(request)["sensitivities"];
+  EXPECT_EQ(map["of"], "scheme");
+  EXPECT_EQ(map["rows"], Json({"x", "px"}));
+  EXPECT_TRUE(map.contains("reason")) << map;
+}
+
 TEST_F(SensitivitiesTold, TimesOfEventsOfAMapAreMissingForAReason) {
   Json request{{"problem", "kepler"},
                {"scheme", "leapfrog"},

@@ -19,7 +19,8 @@ class SensitivitiesTold : public Asking {
     const auto code = [](const Json& one) { return one["code"]; };
     return std::ranges::count(made["warnings"], "uncertain_sensitivities", code) == 1;
   }
-  /// By x of the start: rows of the end, then times of the events, from runs beside it.
+  /// differences() returns the derivatives by the initial x, from runs with neighbouring starts: of the final state,
+  /// then of the times of events.
   static std::vector<double> differences(Json request) {
     constexpr double h = 1e-4;
     request.erase("sensitivities");

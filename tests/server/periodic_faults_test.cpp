@@ -1,10 +1,13 @@
 // Closed orbits that do not exist, and requests that are refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <string>
 
 #include "tests/server/orbits.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -115,6 +118,28 @@ TEST_F(PeriodicFaults, LimitsHold) {
     made = orbit(request);
     EXPECT_EQ(made["stop"]["reason"], "step_limit") << made;
     EXPECT_EQ(made["reason"], "the steps that the request has were taken") << steps;
+  }
+}
+
+TEST_F(PeriodicFaults, LimitsOfFamiliesAreTold) {
+  runs::problem_called("lorenz");
+  for (int steps = 300; steps < 1000; steps += 33) {
+    const Json made = orbit({{"problem", "lorenz"},
+                             {"initial", {{"x", -13.76}, {"y", -19.58}, {"z", 27}}},
+                             {"period", 1.5586},
+                             {"limits", {{"steps", steps}}},
+                             {"family", {{"by", "/problem/rho"}, {"to", 30}, {"count", 10}}}});
+    ASSERT_EQ(made["stop"]["reason"], "step_limit");
+    EXPECT_EQ(made["family_end"], "the steps that the request has were taken") << steps;
+  }
+  const Json roessler = custom(R"~({"variables": ["x", "y", "z"], "parameters": {"a": 0.2, "b": 0.2, "c": 2.5},
+      "equations": {"x": "-y-z", "y": "x+a*y", "z": "b+z*(x-c)"}})~");
+  for (const int count : {2, 3, 4}) {
+    const Json made = orbit({{"problem", roessler},
+                             {"initial", {{"x", -2}, {"y", -3}, {"z", .05}}},
+                             {"period", 5.7},
+                             {"family", {{"by", "/problem/c"}, {"to", 6}, {"count", count}}}});
+    EXPECT_EQ(made["family"].size(), count) << made;  // of which one is a bifurcation
   }
 }
 

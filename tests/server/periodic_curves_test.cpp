@@ -1,0 +1,120 @@
+// Where families of closed orbits end, where they land, and that they stay on their curve.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/server/orbits.hpp"
+
+namespace least::server::test {
+namespace {
+
+class PeriodicCurves : public AskingForOrbits {
+ protected:
+  static Json family(const Json& problem, const Json& initial, const Json& period, const char* by, double to,
+                     int count) {
+    return orbit({{"problem", problem},
+                  {"initial", initial},
+                  {"period", period},
+                  {"family", {{"by", by}, {"to", to}, {"count", count}}}});
+  }
+  /// The number at which a family is told to end in an equilibrium; NaN where it is not.
+  static double equilibrium_at(const Json& made) {
+    const std::string end = made["family_end"];
+    if (end.find("the family ends in an equilibrium at ") != 0) return std::nan("");
+    return std::stod(end.substr(end.rfind('=') + 1));
+  }
+  /// Whether the values of all members go one way.
+  static bool goes_one_way(const Json& members) {
+    for (std::size_t i = 2; i < members.size(); ++i) {
+      const double way = members[1]["value"].get<double>() - members[0]["value"].get<double>();
+      if ((members[i]["value"].get<double>() - members[i - 1]["value"].get<double>()) * way <= 0) return false;
+    }
+    return true;
+  }
+};
+
+// The subcritical Hopf bifurcation of Lorenz is at σ(σ+β+3)/(σ−β−1): there the family shrinks to an equilibrium.
+TEST_F(PeriodicCurves, EndWhereAHopfBifurcationIs) {
+  const Json problem = custom(R"~({"variables": ["x", "y", "z"], "parameters": {"sigma": 10, "rho": 24, "beta": "8/3"},
+      "equations": {"x": "sigma*(y-x)", "y": "x*(rho-z)-y", "z": "x*y-beta*z"}})~");
+  const Json made = family(problem, {{"x", 6.8}, {"y", 5.9}, {"z", 23}}, .66, "/problem/rho", 26, 40);
+  const double beta = 8. / 3, hopf = 10 * (10 + beta + 3) / (10 - beta - 1);
+  EXPECT_NEAR(equilibrium_at(made), hopf, 1e-6) << made["family_end"];
+  EXPECT_TRUE(goes_one_way(made["family"]));
+  for (const Json& member : made["family"]) EXPECT_TRUE(member["bifurcation"].is_null()) << member;
+}
+
+// A pendulum at rest has the energy −1, and its small swings the period 2π.
+TEST_F(PeriodicCurves, EndWhereAPendulumRests) {
+  const struct {
+    const char* by;
+    double to, at;
+    std::vector<int> counts;
+  } ways[] = {{"energy", -1.2, -1, {6, 40}},
+              {"energy", -1, -1, {40}},
+              {"period", 6, 2 * pi, {6, 40}},
+              {"/initial/a", -.5, 0, {6, 40}}};
+  for (const auto& [by, to, at, counts] : ways)
+    for (const int count : counts) {
+      const Json made = family(pendulum(), {{"a", .5}}, 6.4, by, to, count);
+      EXPECT_NEAR(equilibrium_at(made), at, 1e-7) << by << made["family_end"];
+      EXPECT_TRUE(goes_one_way(made["family"])) << by;
+      for (const Json& member : made["family"]) {
+        EXPECT_TRUE(member["bifurcation"].is_null()) << member;
+        EXPECT_GT(member["initial"]["a"], 0) << by;
+      }
+    }
+}
+
+// The energy of an oscillator is the square of its amplitude: a step that is expected to end before `to` ends beyond
+// it.
+TEST_F(PeriodicCurves, LandOnWhatWasAsked) {
+  for (const auto& [to, count] : {std::pair(5., 4), {20., 8}, {5., 3}}) {
+    const Json made = family("harmonic_oscillator", {{"q", 1.5}}, 6.28, "energy", to, count);
+    EXPECT_EQ(made["family_end"], "") << to;
+    EXPECT_NEAR(made["family"].back()["value"], to, 1e-14 * to);
+    EXPECT_NEAR(made["family"].back()["initial"]["q"], std::sqrt(2 * to), 1e-12);
+    EXPECT_TRUE(goes_one_way(made["family"]));
+  }
+}
+
+// A number just before a fold, beyond which a step bends back.
+TEST_F(PeriodicCurves, LandBeforeAFold) {
+  const Json problem = custom(R"~({"variables": ["x", "v"], "parameters": {"f": 0.2},
+      "equations": {"x": "v", "v": "x - x^3 - 0.2*v + f*cos(t)"}})~");
+  const Json made = family(problem, {{"x", 1}}, 2 * pi, "/problem/f", .2586, 40);  // the fold is at .25860746
+  EXPECT_EQ(made["family_end"], "") << made["family_end"];
+  EXPECT_NEAR(made["family"].back()["value"], .2586, 1e-15);
+  EXPECT_TRUE(goes_one_way(made["family"]));
+  for (const Json& member : made["family"]) EXPECT_TRUE(member["bifurcation"].is_null()) << member;
+}
+
+// The answer does not depend on how many members are asked for: the few are on the curve of the many. From the first
+// orbit of this chain, steps that are too long lead to others near it.
+TEST_F(PeriodicCurves, AreTheSameHoweverManyMembersAreAskedFor) {
+  const Json problem = custom(R"~({"variables": ["x[4]"], "parameters": {"n": 4, "k": [1, 1.1, 1.2, 1.3]},
+      "definitions": {"at(i)": "if(i==0 or i>n,0,x[i])"},
+      "potential": "sum(i=1..n,(at(i+1)-at(i))^2/2*k[i]+x[i]^4/4)"})~");
+  const auto members = [&](double to, int count) {
+    const Json made = orbit({{"problem", problem},
+                             {"initial", {{"x", {.5, .7, .7, .5}}}},
+                             {"period", 9},
+                             {"symmetric", true},
+                             {"family", {{"by", "energy"}, {"to", to}, {"count", count}}}});
+    EXPECT_TRUE(goes_one_way(made["family"])) << made;
+    return made["family"];
+  };
+  const Json few = members(2, 5), many = members(.5, 100);
+  for (const Json& member : few) {
+    double nearest = 1;
+    for (const Json& one : many)
+      nearest = std::min(nearest, distance(one["initial"], member["initial"], {"x[1]", "x[2]", "x[3]", "x[4]"}));
+    EXPECT_LT(nearest, 2e-2) << member;
+  }
+}
+
+}  // namespace
+}  // namespace least::server::test

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double no_pivot = 1e-10;  // relative to the largest pivot, below which a pivot counts as zero
 constexpr double hardly_independent = 1e-8;
+constexpr double hardly_broken = 1e-6;
 
 /// equations_with returns the scene's equations for another value of the varied parameter.
 Motion::Equations equations_with(const Setting& setting, double value) {
@@ -167,15 +168,19 @@ Shooting::Equations Shooting::equations(const Trial& trial, const Look& look, co
       for (std::size_t k = 0; k < gradients.columns; ++k) all_kept(i * n + a, k) = gradients(a, k);
   }
   const Matrix basis = span_of(all_kept, hardly_independent);
+  const double drift = length(made.rows.column(at_value));
+  double broken = 0;
   for (std::size_t k = 0; k < basis.columns; ++k) {
     const std::vector<double> one = basis.column(k);
     const std::vector<double> along = transposed(made.rows) * one;
     const double missing = dot(one, made.right);
+    broken = std::hypot(broken, along[at_value]);
     for (std::size_t row = 0; row < size; ++row) {
       for (std::size_t j = 0; j < size + 2; ++j) made.rows(row, j) -= one[row] * along[j];
       made.right[row] -= one[row] * missing;
     }
   }
+  made.breaks = broken > hardly_broken * drift + close_enough;
 
   const Matrix still = ways_that_rest(trial);
   const auto add_row = [&](std::span<const double> coefficients, double missing) {
@@ -272,7 +277,12 @@ Shooting::Corrected Shooting::correct(Trial trial, const std::function<FurtherRo
 }
 
 std::vector<double> Shooting::along_family(const Trial& trial, const Look& look, std::vector<double> wish) {
-  const Equations made = equations(trial, look, nullptr);
+  Equations made = equations(trial, look, nullptr);
+  if (made.breaks) {
+    made.rows.a.resize(++made.rows.rows * made.rows.columns);
+    made.rows.a.back() = 1;
+    made.right.push_back(0);
+  }
   const Matrix null = decompose(made.rows, made.right, no_pivot).null;
   std::vector<double> way(wish.size());
   for (std::size_t k = 0; k < null.columns; ++k) {

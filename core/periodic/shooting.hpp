@@ -104,6 +104,10 @@ class Shooting {
   struct Equations {
     Matrix rows;
     std::vector<double> right;
+    /// Whether the parameter breaks the conservation of a quantity: it moves the end of the orbit along the quantity's
+    /// gradient, so that a closed orbit does not continue along the parameter. Source: Guckenheimer, Holmes, Nonlinear
+    /// Oscillations, 1983, 4.5 (Melnikov's condition).
+    bool breaks = false;
   };
   Equations equations(const Trial& trial, const Look& look, const FurtherRow* further);
   Matrix ways_that_rest(const Trial& trial) const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/server/orbits.hpp"
+#include "tests/support/runs.hpp"
 
 namespace least::server::test {
 namespace {
@@ -90,6 +91,42 @@ TEST_F(PeriodicCurves, LandBeforeAFold) {
   EXPECT_NEAR(made["family"].back()["value"], .2586, 1e-15);
   EXPECT_TRUE(goes_one_way(made["family"]));
   for (const Json& member : made["family"]) EXPECT_TRUE(member["bifurcation"].is_null()) << member;
+}
+
+// Of the circles of an oscillator the one of amplitude 2 alone goes on as a cycle of van der Pol: r' = εr(1 − r²/4)/2
+// in the mean. Source: Guckenheimer, Holmes, Nonlinear Oscillations, 1983, 4.1.
+TEST_F(PeriodicCurves, GoOnFromACenterOnlyWhereTheMeanVanishes) {
+  runs::problem_called("van_der_pol");
+  for (const int count : {5, 50}) {
+    for (const double x : {1.5, 3.}) {
+      const Json made =
+          family({{"id", "van_der_pol"}, {"epsilon", 0}}, {{"x", x}, {"v", 0}}, 6.28, "/problem/epsilon", .1, count);
+      EXPECT_EQ(made["family"].size(), 0U) << x;
+      EXPECT_NE(made["family_end"].get<std::string>().find("alone"), std::string::npos) << made["family_end"];
+    }
+    const Json made =
+        family({{"id", "van_der_pol"}, {"epsilon", 0}}, {{"x", 2}, {"v", 0}}, 6.28, "/problem/epsilon", .1, count);
+    EXPECT_EQ(made["family_end"], "");
+    for (const Json& member : made["family"]) {
+      const double epsilon = member["value"];
+      EXPECT_NEAR(member["period"], 2 * pi * (1 + epsilon * epsilon / 16), 1e-5);  // up to ε⁴
+    }
+  }
+}
+
+// A force that breaks a rotation leaves of the straight swings those along its axes.
+TEST_F(PeriodicCurves, GoOnFromASymmetryOnlyAlongTheAxesOfWhatBreaksIt) {
+  const Json problem = custom(R"~({"variables": ["x", "y"], "parameters": {"k": 0},
+      "potential": "(x^2+y^2)/2 + (x^2+y^2)^2/4 + k*x*y"})~");
+  for (const double angle : {.3, pi / 4}) {
+    const bool along = angle > .5;
+    const Json made =
+        family(problem, {{"x", .8 * std::cos(angle)}, {"y", .8 * std::sin(angle)}}, 5, "/problem/k", .1, 5);
+    ASSERT_EQ(made["status"], "closed") << made;
+    EXPECT_EQ(made["family_end"] == "", along) << made["family_end"];
+    for (const Json& member : made["family"])
+      EXPECT_NEAR(member["initial"]["x"].get<double>(), member["initial"]["y"], along ? 1e-9 : 0) << member;
+  }
 }
 
 // The answer does not depend on how many members are asked for: the few are on the curve of the many. From the first

@@ -142,6 +142,11 @@ class Closing {
     const auto last = motion.path(trial.nodes[0], setting_.start(), std::span(&end, 1), effort_, answer_.reason);
     if (last.empty()) return std::nullopt;
     setting_.turns = turns_of(rates, trial, last[0], setting_.start());
+    answer_.orbit.closure = 0;  // of the guess, until something nearer is known
+    for (std::size_t i = 0; i < last[0].size(); ++i) {
+      const double missing = last[0][i] - trial.nodes[0][i] - setting_.turns[i];
+      answer_.orbit.closure = std::max(answer_.orbit.closure, std::abs(missing) / setting_.extents[i]);
+    }
     if (setting_.law == PeriodLaw::free) trial.period = nearest_return(motion, setting_, trial, effort_);
     if (question_.symmetric) {
       const auto minus = reversed_components(rates, trial.nodes[0], setting_.start(), motion.coordinates());
@@ -191,9 +196,11 @@ class Closing {
     constexpr double vanished = 1e-6;
     answer_.iterations += made.iterations;
     if (made.look.segments.empty()) return fails(made.reason);
-    std::string reason;
+    std::string reason = made.reason;
     std::vector<double> extents = extents_of(motion, made.trial, setting_.start(), effort_, reason);
-    if (extents.empty()) return fails(reason);
+    // Where a limit hides by how much it moves, the extents of the guess tell how near it came.
+    const bool known = !extents.empty();
+    if (!known) extents = setting_.extents;
     double shrunk = 0;
     for (std::size_t i = 0; i < extents.size(); ++i) shrunk = std::max(shrunk, extents[i] / setting_.extents[i]);
     const bool rests = shrunk < vanished || at_rest(extents, made.trial.nodes[0]);
@@ -203,11 +210,13 @@ class Closing {
       const std::size_t i = row % extents.size();
       closure = std::max(closure, std::abs(made.look.defects[row]) * setting_.extents[i] / extents[i]);
     }
-    answer_.closed = made.closed && !rests && closure <= Shooting::close_enough;
-    if (answer_.closed || !(closure >= answer_.orbit.closure)) {  // the nearest to closed of all that were tried
+    answer_.closed = known && made.closed && !rests && closure <= Shooting::close_enough;
+    const bool nearest = answer_.orbit.monodromy.rows == 0 || closure < answer_.orbit.closure;
+    if (answer_.closed || nearest) {  // the nearest to closed of all that were tried
       answer_.orbit = orbit_of(*shooting_, setting_, made.trial, made.look, effort_);
       answer_.orbit.closure = closure;
     }
+    if (!answer_.closed) answer_.orbit.stability = {};
     if (rests) {
       double pace = 0;
       const std::vector<double> rates = motion.rates(made.trial.nodes[0], setting_.start());
@@ -215,13 +224,12 @@ class Closing {
         pace = std::max(pace, std::abs(rates[i]) * setting_.guess_period / setting_.extents[i]);
       answer_.reason = pace < vanished ? "Newton's method has led to an equilibrium"
                                        : "Newton's method comes nearer only in a time that goes to 0";
-      answer_.orbit.stability = {};
       return std::nullopt;
     }
     if (answer_.closed) return made.trial;
-    answer_.reason = !made.reason.empty() ? made.reason
-                                          : "Newton's method comes no nearer than " + messages::number(closure) +
-                                                " of the orbit's extent";
+    answer_.reason = !reason.empty() ? reason
+                                     : "Newton's method comes no nearer than " + messages::number(closure) +
+                                           " of the orbit's extent";
     return std::nullopt;
   }
 

@@ -121,6 +121,30 @@ TEST_F(PeriodicFaults, LimitsHold) {
   }
 }
 
+// What a limit ends keeps its best: how near the guess came is known once its motion was followed.
+TEST_F(PeriodicFaults, LimitsKeepTheBest) {
+  runs::problem_called("lorenz");
+  Json request{{"problem", "lorenz"}, {"initial", {{"x", -13.76}, {"y", -19.58}, {"z", 27}}}, {"period", 1.5586}};
+  const double extent = 40;  // of z, to a third
+  const Json there = after("lorenz", request["initial"], 1.5586);
+  double missing = 0;
+  for (const char* name : {"x", "y", "z"})
+    missing = std::max(missing, std::abs(there[name].get<double>() - request["initial"][name].get<double>()));
+  for (const int steps : {100, 150, 180, 200, 220}) {
+    request["limits"] = {{"steps", steps}};
+    const Json made = orbit(request);
+    EXPECT_EQ(made["status"], "not_closed") << made;
+    EXPECT_EQ(made["stop"]["reason"], "step_limit");
+    EXPECT_EQ(made["reason"], "the steps that the request has were taken");
+    ASSERT_TRUE(made["closure"].is_number()) << steps << made;
+    EXPECT_LT(made["closure"], 1.5 * missing / extent) << steps;
+    if (made["monodromy"].empty()) {
+      EXPECT_GT(made["closure"], missing / extent / 1.5) << steps;
+    }
+  }
+  EXPECT_FALSE(orbit(request)["monodromy"].empty());
+}
+
 TEST_F(PeriodicFaults, LimitsOfFamiliesAreTold) {
   runs::problem_called("lorenz");
   for (int steps = 300; steps < 1000; steps += 33) {

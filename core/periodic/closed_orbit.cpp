@@ -30,11 +30,14 @@ Rates rates_of(const Motion::Equations& equations) {
       };
 }
 
-bool at_rest(const std::vector<double>& extents, const std::vector<double>& x) {
-  constexpr double hardly = 1e-9;
+double size_of(const std::vector<double>& x) {
   double size = 0;
   for (const double part : x) size = std::max(size, std::abs(part));
-  return std::ranges::all_of(extents, [&](double extent) { return extent <= hardly * size; });
+  return size;
+}
+bool at_rest(const std::vector<double>& extents, const std::vector<double>& x) {
+  constexpr double hardly = 1e-9;
+  return size_of(extents) <= hardly * size_of(x);
 }
 
 /// Extents become units, which must not be 0: components that do not move get the largest unit.
@@ -107,8 +110,12 @@ class Closing {
     fill(motion, guess);
     if (setting_.extents.empty()) return std::nullopt;
     if (at_rest(setting_.extents, guess.nodes[0])) {
-      answer_.reason = "the guess is at an equilibrium, where nothing moves: no orbit is near it";
-      return std::nullopt;
+      if (motion.autonomous()) {
+        answer_.reason = "the guess is at an equilibrium, where nothing moves: no orbit is near it";
+        return std::nullopt;
+      }
+      // An equilibrium of a driven scene is itself an orbit of the drive's period, without an extent to be a unit.
+      std::ranges::fill(setting_.extents, size_of(guess.nodes[0]));
     }
     make_units(setting_.extents);
     shooting_.emplace(setting_, motion_, effort_);
@@ -203,7 +210,11 @@ class Closing {
     if (!known) extents = setting_.extents;
     double shrunk = 0;
     for (std::size_t i = 0; i < extents.size(); ++i) shrunk = std::max(shrunk, extents[i] / setting_.extents[i]);
-    const bool rests = shrunk < vanished || at_rest(extents, made.trial.nodes[0]);
+    bool rests = shrunk < vanished || at_rest(extents, made.trial.nodes[0]);
+    if (rests && !motion.autonomous()) {  // the equilibrium of a driven scene is an orbit
+      rests = false;
+      extents = setting_.extents;
+    }
     make_units(extents);
     double closure = 0;
     for (std::size_t row = 0; row < made.look.defects.size(); ++row) {

@@ -1,0 +1,59 @@
+// What multipliers tell of an orbit, and what they do not: multiple ones, those at bifurcations, orbits that rest.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "tests/server/orbits.hpp"
+
+namespace least::server::test {
+namespace {
+
+class PeriodicKinds : public AskingForOrbits {};
+
+// A pendulum that stands on its head on a point that shakes. Near it δ'' = (1 + A w cos(wt)) δ, integrated here by the
+// classical method of Runge and Kutta. Source: Landau & Lifshitz, Mechanics, 1976, section 30: it stands from A² > 2
+// on.
+TEST_F(PeriodicKinds, OfAnEquilibriumOfADrivenSceneTellOfItsStability) {
+  constexpr double w = 10;
+  const auto trace = [](double size) {
+    double sum = 0;
+    for (const int start : {0, 1}) {
+      std::array<double, 2> x{start == 0 ? 1. : 0., start == 1 ? 1. : 0.};
+      constexpr int steps = 4000;
+      constexpr double h = 2 * pi / w / steps;
+      for (int k = 0; k < steps; ++k) {
+        const auto rates = [&](const std::array<double, 2>& at, double t) {
+          return std::array<double, 2>{at[1], (1 + size * w * std::cos(w * t)) * at[0]};
+        };
+        const auto plus = [](const std::array<double, 2>& a, const std::array<double, 2>& b, double by) {
+          return std::array<double, 2>{a[0] + by * b[0], a[1] + by * b[1]};
+        };
+        const double t = k * h;
+        const auto a = rates(x, t), b = rates(plus(x, a, h / 2), t + h / 2), c = rates(plus(x, b, h / 2), t + h / 2),
+                   d = rates(plus(x, c, h), t + h);
+        for (std::size_t i = 0; i < 2; ++i) x[i] += h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]);
+      }
+      sum += x[static_cast<std::size_t>(start)];
+    }
+    return sum;
+  };
+  for (const double size : {1., 2.})
+    for (const Json& angle : {Json("pi"), Json(3.1)}) {
+      Json problem = custom(R"~({"variables": ["a"], "parameters": {"A": 1, "w": 10},
+          "potential": "-(1+A*w*cos(w*t))*cos(a)"})~");
+      problem["parameters"]["A"] = size;
+      const Json made = orbit({{"problem", problem}, {"initial", {{"a", angle}}}, {"period", "2*pi/10"}});
+      ASSERT_EQ(made["status"], "closed") << made;
+      EXPECT_NEAR(made["initial"]["a"], pi, 1e-8);
+      EXPECT_EQ(made["trivial"], 0);
+      const auto all = others(made);
+      EXPECT_NEAR((all[0] + all[1]).real(), trace(size), 1e-9);
+      EXPECT_EQ(made["stable"], size > std::sqrt(2.)) << size;
+    }
+}
+
+}  // namespace
+}  // namespace least::server::test

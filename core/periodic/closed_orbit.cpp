@@ -138,7 +138,7 @@ class Closing {
     orbit.scene = question_.scene;
     orbit.period = trial.period;
     orbit.closure = std::numeric_limits<double>::quiet_NaN();
-    orbit.energy = motion.energy(trial.nodes[0], setting_.start());
+    if (motion.keeps_energy()) orbit.energy = motion.energy(trial.nodes[0], setting_.start());
     for (const std::size_t place : equations.variables)
       orbit.rows.push_back(question_.scene->card().variables[place].name);
   }
@@ -352,7 +352,7 @@ Answer close_orbit(const Question& question, const Motions& motions, const std::
         setting.guess_value = question.scene->parameters[question.family->index];
         if (driven) setting.law = *period_law(question);
         // Where energy is conserved there is an orbit for each energy: the next member is the one of the same period.
-        const bool of_one_energy = closing.shooting().prepare(*closed).keeps_energy();
+        const bool of_one_energy = closing.shooting().conserved().keeps_energy();
         setting.period_held = of_one_energy && question.fixed.empty();
         if (setting.period_held) setting.law = PeriodLaw::kept;
       }

@@ -104,8 +104,8 @@ struct Orbit {
   std::shared_ptr<const Scene> scene;  ///< starts on the orbit
   double period = 0, closure = 0;
   std::size_t segments = 1;
-  double energy = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::pair<std::string, double>> invariants;  ///< the values of the declared ones
+  double energy = std::numeric_limits<double>::quiet_NaN();  ///< NaN where it is not conserved
+  std::vector<std::pair<std::string, double>> invariants;    ///< the values of the declared ones
   std::vector<std::string> rows;  ///< names of the variables that the rows of `monodromy` stand for
   Matrix monodromy;
   Stability stability;

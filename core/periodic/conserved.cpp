@@ -60,6 +60,7 @@ bool all_finite(std::span<const double> x) {
 Conserved::Conserved(const Motion& motion, const Scene& scene, std::span<const double> x,
                      std::span<const double> extents, double t, double dt)
     : motion_(motion), center_(x.begin(), x.end()), extents_(extents.begin(), extents.end()), start_(t) {
+  energy_kept_ = motion.autonomous() && keeps_energy(t);
   if (!motion.equations().form->invariants.empty()) read_declared(scene, t);
   find(t, dt);
   find_decaying(t, dt);
@@ -121,6 +122,25 @@ void Conserved::read_declared(const Scene& scene, double t) {
       if (std::abs(sum) > nothing * sizes) kept_[k] = false;
     }
   }
+}
+
+/// keeps_energy tells whether ∇H · ẋ = 0 at random points, as in undamped mechanics and under forces that do no work.
+bool Conserved::keeps_energy(double t) const {
+  constexpr int looks = 8;
+  constexpr double nothing = 1e-9;
+  if (motion_.symplectic()) return motion_.keeps_energy();
+  if (std::isnan(motion_.energy(center_, t))) return false;
+  Spread spread;
+  for (int look = 0; look < looks; ++look) {
+    const std::vector<double> x = point(spread), rate = motion_.rates(x, t), slopes = motion_.energy_gradient(x, t);
+    double power = 0, sizes = 0;
+    for (std::size_t i = 0; i < rate.size(); ++i) {
+      power += slopes[i] * rate[i];
+      sizes += std::abs(slopes[i] * rate[i]);
+    }
+    if (!(std::abs(power) <= nothing * sizes)) return false;
+  }
+  return true;
 }
 
 std::vector<double> Conserved::scaled(std::span<const double> x) const {
@@ -255,7 +275,7 @@ Matrix Conserved::raw_gradients(std::span<const double> x, double t) const {
     for (std::size_t i = 0; i < size; ++i) made[i] = gradient[i] * extents_[i];
     return made;
   };
-  if (motion_.keeps_energy()) add(in_units(motion_.energy_gradient(x, t)));
+  if (energy_kept_) add(in_units(motion_.energy_gradient(x, t)));
   if (!declared_names_.empty()) {
     std::vector<double> slopes(declared_gradients_.outputs());
     declared_gradients_.evaluate(x.data(), t, slopes.data());

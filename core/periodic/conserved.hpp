@@ -28,11 +28,14 @@ class Conserved {
   /// and remains a solution: ẋ first, where the motion is autonomous, then in mechanics the fields that conserved
   /// quantities generate.
   Matrix symmetries(std::span<const double> x, double t) const;
+  /// keeps_energy() tells whether H is conserved.
+  bool keeps_energy() const { return energy_kept_; }
   /// declared(x, t) returns names and values of the declared invariants.
   std::vector<std::pair<std::string, double>> declared(std::span<const double> x, double t) const;
 
  private:
   void read_declared(const Scene& scene, double t);
+  bool keeps_energy(double t) const;
   void find(double t, double dt);
   void find_decaying(double t, double dt);
   double damping_between(double from, double to, bool absolute) const;
@@ -48,6 +51,7 @@ class Conserved {
   const Motion& motion_;
   std::vector<double> center_, extents_;
   std::vector<double> gradient_sizes_, symmetry_sizes_;  ///< at the center
+  bool energy_kept_ = false;
   std::vector<std::string> declared_names_;
   std::vector<bool> kept_;  ///< by declared invariant, whether tests confirm that it is conserved
   std::vector<bool> felt_;  ///< by gradient, whether it differs from 0 at the center; empty until find_felt has run

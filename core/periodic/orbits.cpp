@@ -216,7 +216,7 @@ Orbit orbit_of(Shooting& shooting, const Setting& setting, const Trial& trial, c
   made.period = trial.period;
   made.segments = trial.nodes.size();
   made.closure = look.closure;
-  made.energy = motion.energy(trial.nodes[0], setting.start());
+  if (shooting.conserved().keeps_energy()) made.energy = motion.energy(trial.nodes[0], setting.start());
   made.invariants = shooting.conserved().declared(trial.nodes[0], setting.start());
   for (const std::size_t place : equations.variables) made.rows.push_back(setting.scene->card().variables[place].name);
   made.monodromy = Matrix::identity(motion.size());

@@ -55,5 +55,27 @@ TEST_F(PeriodicKinds, OfAnEquilibriumOfADrivenSceneTellOfItsStability) {
     }
 }
 
+// The energy is told where it is conserved, as under a force at right angles to the velocity: x = .3 cos(ωt),
+// y = b sin(ωt) with (1 − ω²)(2 − ω²) = .09 ω².
+TEST_F(PeriodicKinds, TellAnEnergyOnlyWhereItIsConserved) {
+  const Json forced = custom(R"~({"variables": ["x"], "lagrangian": "vx^2/2-x^2/2-x^4/4",
+      "forces": {"x": "-0.2*vx+0.3*cos(t)"}})~");
+  const Json driven = custom(R"~({"variables": ["x"], "potential": "x^2/2+x^4/4-0.3*x*cos(t)"})~");
+  const Json contact = custom(R"~({"variables": ["x"], "potential": "x^2/2-0.3*x*cos(t)", "action_curvature": 0.5,
+      "offset": 1})~");
+  for (const Json& problem : {forced, driven, contact}) {
+    const Json made = orbit({{"problem", problem}, {"initial", {{"x", -.3}}}, {"period", "2*pi"}});
+    ASSERT_EQ(made["status"], "closed") << made;
+    EXPECT_TRUE(made["invariant"]["energy"].is_null()) << problem;
+  }
+  const Json turning = custom(R"~({"variables": ["x", "y"], "lagrangian": "(vx^2+vy^2)/2-x^2/2-y^2",
+      "forces": {"x": "0.3*vy", "y": "-0.3*vx"}})~");
+  const double square = (3.09 - std::sqrt(3.09 * 3.09 - 8)) / 2, vy = .3 * .3 * square / (2 - square);
+  const Json made =
+      orbit({{"problem", turning}, {"initial", {{"x", .3}, {"vy", vy}}}, {"period", 2 * pi / std::sqrt(square)}});
+  ASSERT_EQ(made["status"], "closed") << made;
+  EXPECT_NEAR(made["invariant"]["energy"], .045 + vy * vy / 2, 1e-8);
+}
+
 }  // namespace
 }  // namespace least::server::test

@@ -24,7 +24,7 @@ double Crossings::of(Bifurcation kind) const {
 Crossings crossings_of(const Stability& stability) {
   Complex doubling = 1, branching = 1;
   double largest_pair = 0;
-  for (const auto& [value, kind] : others_of(stability)) {
+  for (const auto& [value, kind, error] : others_of(stability)) {
     doubling *= value + 1.0;
     branching *= value - 1.0;
     if (std::abs(value.imag()) > 1e-9) largest_pair = std::max(largest_pair, std::abs(value));

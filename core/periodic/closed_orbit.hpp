@@ -82,6 +82,8 @@ struct Multiplier {
   std::complex<double> value;
   /// Nothing where it is so small that rounding errors of the others hide its kind
   std::optional<MultiplierKind> kind{};
+  /// Of the value where it is near another, as the errors of the monodromy matrix move both; else 0
+  double error = 0;
 };
 
 /// Stability holds the eigenvalues of the monodromy matrix. The trivial ones come first: those that are 1 because of

@@ -53,26 +53,44 @@ std::vector<Complex> eigenvalues_of_product(const std::vector<Matrix>& blocks) {
 struct Eigenvalue {
   Complex value;
   bool lost = false;
+  double error = 0;  ///< by how much the errors of the blocks move it, where another eigenvalue is near; else 0
 };
 
-/// eigenvalues_above_errors marks as lost every eigenvalue that changes strongly when the entries of the blocks change
-/// by `errors`, with either sign.
-std::vector<Eigenvalue> eigenvalues_above_errors(const std::vector<Matrix>& blocks, std::span<const double> errors) {
+/// is_near tells whether another eigenvalue lies within a distance.
+template <class Values>
+bool is_near(const Values& all, std::size_t one, double distance) {
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (i != one && std::abs(all[i].value - all[one].value) <= distance) return true;
+  return false;
+}
+
+/// eigenvalues_with_errors changes the entries of the blocks by `errors`, with either sign. An eigenvalue that changes
+/// strongly is marked as lost. Two that are near each other move by the square root of the errors.
+/// Source: Golub & Van Loan, Matrix Computations, 2013, 7.2.
+std::vector<Eigenvalue> eigenvalues_with_errors(const std::vector<Matrix>& blocks, std::span<const double> errors) {
   constexpr double surely = 1e-4, another = 0.25;  // larger ones than `surely` cannot be lost, as segments are short
+  constexpr double near = 1e-2, few = 4, safely = 16;  // of eigenvalues that are near each other
   std::vector<Eigenvalue> all;
-  for (const Complex& value : eigenvalues_of_product(blocks)) all.push_back({value, false});
-  if (std::ranges::all_of(all, [](const Eigenvalue& one) { return std::abs(one.value) > surely; })) return all;
-  for (const double side : {1.0, -1.0}) {
+  for (const Complex& value : eigenvalues_of_product(blocks)) all.push_back({value});
+  std::vector<bool> beside(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) beside[i] = std::abs(all[i].value) > surely && is_near(all, i, near);
+  const bool simple = std::ranges::none_of(beside, [](bool one) { return one; });
+  if (simple && std::ranges::all_of(all, [](const Eigenvalue& one) { return std::abs(one.value) > surely; }))
+    return all;
+  for (const double share : {1.0, -1.0, safely, -safely}) {
+    const bool of_near = std::abs(share) > 1;
+    if (of_near && simple) break;
     std::vector<Matrix> changed = blocks;
     Spread spread;
     for (std::size_t i = 0; i < changed.size(); ++i)
-      for (double& entry : changed[i].a) entry += spread() < 0 ? -side * errors[i] : side * errors[i];
+      for (double& entry : changed[i].a) entry += spread() < 0 ? -share * errors[i] : share * errors[i];
     const std::vector<Complex> others = eigenvalues_of_product(changed);
-    for (Eigenvalue& one : all) {
-      const auto stays = [&one](const Complex& other) {
-        return std::abs(other - one.value) <= another * std::abs(one.value);
-      };
-      if (std::abs(one.value) <= surely && std::ranges::none_of(others, stays)) one.lost = true;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      double moved = std::numeric_limits<double>::infinity();
+      for (const Complex& other : others) moved = std::min(moved, std::abs(other - all[i].value));
+      const double size = std::abs(all[i].value);
+      if (!of_near && size <= surely && moved > another * size) all[i].lost = true;
+      if (of_near && beside[i]) all[i].error = std::max(all[i].error, few * moved);
     }
   }
   return all;
@@ -133,11 +151,11 @@ double error_of(const Matrix& block, const Matrix& here, const Matrix& there) {
   return error;
 }
 
-MultiplierKind kind_of(const Complex& value) {
-  const double modulus = std::abs(value);
-  if (std::abs(value - 1.0) <= at_one) return MultiplierKind::unit;
+MultiplierKind kind_of(const Complex& value, double error) {
+  const double modulus = std::abs(value), known = std::max(at_one, error);
+  if (std::abs(value - 1.0) <= known) return MultiplierKind::unit;
   if (std::abs(value.imag()) > 1e-9 * modulus)
-    return std::abs(modulus - 1) <= at_one ? MultiplierKind::elliptic : MultiplierKind::complex;
+    return std::abs(modulus - 1) <= known ? MultiplierKind::elliptic : MultiplierKind::complex;
   return value.real() > 0 ? MultiplierKind::hyperbolic : MultiplierKind::inverse_hyperbolic;
 }
 
@@ -219,22 +237,24 @@ void settle(std::vector<Eigenvalue>& others, double pair_product, Motion& motion
           : std::pow(pair_product, double(motion.coordinates()));
   if (!std::isfinite(product)) return;
   Complex rest = 1;
-  for (const auto& [value, lost] : others)
-    if (!lost) rest *= value;
+  for (const Eigenvalue& one : others)
+    if (!one.lost) rest *= one.value;
   const auto last = std::ranges::find(others, true, &Eigenvalue::lost);
   *last = {product / rest.real(), false};
 }
 
 std::optional<bool> verdict(const Stability& found) {
   bool tells = true;
-  for (std::size_t i = found.trivial(); i < found.multipliers.size(); ++i) {
-    const auto& [value, kind] = found.multipliers[i];
-    const double modulus = std::abs(value);
-    if (modulus > 1 + at_one) return false;
-    const bool on_circle = modulus >= 1 - at_one;
-    // Where pairs have the product 1, those on the circle stay there; in dissipative motion, multipliers must be
-    // strictly inside.
-    if (on_circle && (found.pair_product != 1 || kind != MultiplierKind::elliptic)) tells = false;
+  const std::span others = std::span(found.multipliers).subspan(found.trivial());
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const auto& [value, kind, error] = others[i];
+    const double modulus = std::abs(value), known = std::max(at_one, error);
+    if (modulus > 1 + known) return false;
+    if (modulus < 1 - known) continue;
+    // Where pairs have the product 1, single ones on the circle stay there, whereas two that errors do not tell apart
+    // may leave it; in dissipative motion, multipliers must be strictly inside.
+    const bool stays = found.pair_product == 1 && kind == MultiplierKind::elliptic;
+    if (!stays || (error > at_one && is_near(others, i, error))) tells = false;
   }
   return tells ? std::optional(true) : std::nullopt;
 }
@@ -287,15 +307,15 @@ Stability stability_of(const Shooting& shooting, Motion& motion, const Setting& 
     errors.push_back(error_of(whole, ways[i], ways[next]));
   }
   found.multipliers.assign(found.trivial(), Multiplier{1.0, MultiplierKind::unit});
-  std::vector<Eigenvalue> others = eigenvalues_above_errors(blocks, errors);
+  std::vector<Eigenvalue> others = eigenvalues_with_errors(blocks, errors);
   const bool pairs = motion.coordinates() > 0 && !motion.equations().forced;
   if (pairs) found.pair_product = product_of_pairs(motion, setting, trial, effort);
   const bool all_known = std::ranges::none_of(others, &Eigenvalue::lost);
   settle(others, found.pair_product, motion, setting, trial, effort);
   std::ranges::sort(others, {},
                     [](const Eigenvalue& one) { return std::pair(-std::abs(one.value), -one.value.imag()); });
-  for (const auto& [value, lost] : others)
-    found.multipliers.push_back({value, lost ? std::nullopt : std::optional(kind_of(value))});
+  for (const auto& [value, lost, error] : others)
+    found.multipliers.push_back({value, lost ? std::nullopt : std::optional(kind_of(value, error)), error});
 
   if (pairs && all_known) {
     std::vector<Complex> all;

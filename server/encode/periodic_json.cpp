@@ -40,7 +40,7 @@ void write_guess(JsonWriter& json, const Question& question) {
 
 void write_multipliers(JsonWriter& json, const Stability& of) {
   json.key("multipliers").open('[');
-  for (const auto& [value, kind] : of.multipliers) {
+  for (const auto& [value, kind, error] : of.multipliers) {
     json.open('{').key("re").number(value.real()).key("im").number(value.imag()).key("modulus");
     json.number(std::abs(value)).key("kind");
     kind ? json.text(periodic::multiplier_kinds[static_cast<std::size_t>(*kind)]) : json.null();

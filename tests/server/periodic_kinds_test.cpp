@@ -13,6 +13,36 @@ namespace {
 
 class PeriodicKinds : public AskingForOrbits {};
 
+// The periodic chain of Toda is integrable: on a closed orbit of three masses, all six multipliers are 1, in blocks of
+// Jordan. Rounding moves a double one by its square root, to either side. Source: Hénon, Physical Review B 9, 1921
+// (1974).
+TEST_F(PeriodicKinds, OfTodaAreAllOne) {
+  const Json problem = custom(R"~({"variables": ["a","b","c"], "potential": "exp(a-b)+exp(b-c)+exp(c-a)"})~");
+  for (const double size : {1., 2., 4.5}) {
+    const Json made = orbit({{"problem", problem}, {"initial", {{"a", size}, {"c", -size}}}, {"period", 3}});
+    ASSERT_EQ(made["status"], "closed") << made;
+    EXPECT_EQ(made["multipliers"].size(), 6U);
+    for (const Json& one : made["multipliers"]) EXPECT_EQ(one["kind"], "unit") << size << one;
+    EXPECT_TRUE(made["stable"].is_null()) << size;
+  }
+}
+
+// Two oscillators alike that do not feel each other: the energy of each is conserved, and all multipliers are 1 after
+// any number of turns.
+TEST_F(PeriodicKinds, OfOscillatorsApartAreAllOne) {
+  const Json problem = custom(R"~({"variables": ["x", "y"], "potential": "x^2/2+x^4/4+y^2/2+y^4/4"})~");
+  for (int k = 0; k < 30; ++k) {
+    const double x = 1 + .37 * k, steep = 1 + x * x, root = std::sqrt(x * x / (2 * steep));
+    const double turn = 4 / std::sqrt(steep) * std::comp_ellint_1(root);
+    const Json made = orbit({{"problem", problem},
+                             {"initial", {{"x", x}, {"vy", std::sqrt(x * x + x * x * x * x / 2)}}},
+                             {"period", (1 + k % 3) * turn}});
+    ASSERT_EQ(made["status"], "closed") << made;
+    for (const Json& one : made["multipliers"]) EXPECT_EQ(one["kind"], "unit") << k << one;
+    EXPECT_TRUE(made["stable"].is_null()) << k;
+  }
+}
+
 // A pendulum that stands on its head on a point that shakes. Near it δ'' = (1 + A w cos(wt)) δ, integrated here by the
 // classical method of Runge and Kutta. Source: Landau & Lifshitz, Mechanics, 1976, section 30: it stands from A² > 2
 // on.

@@ -50,4 +50,18 @@ double multipliers_away_from(Bifurcation kind, const Stability& stability) {
   return nearest;
 }
 
+std::optional<bool> stable_at(Bifurcation kind, const Stability& stability) {
+  constexpr double at_one = 1e-7;
+  std::vector<Multiplier> others(others_of(stability).begin(), others_of(stability).end());
+  const auto away = [kind](const Multiplier& one) {
+    if (kind == Bifurcation::torus) return std::abs(std::abs(one.value) - 1);
+    return std::abs(one.value + (kind == Bifurcation::period_doubling ? 1.0 : -1.0));
+  };
+  std::ranges::sort(others, {}, away);
+  const std::size_t at_it = (kind == Bifurcation::torus ? 2U : 1U) * (keeps_pairs(stability) ? 2U : 1U);
+  for (std::size_t i = at_it; i < others.size(); ++i)
+    if (std::abs(others[i].value) > 1 + std::max(at_one, others[i].error)) return false;
+  return std::nullopt;
+}
+
 }  // namespace least::periodic

@@ -21,4 +21,8 @@ Crossings crossings_of(const Stability& stability);
 /// bifurcation; infinite where no multiplier can get there.
 double multipliers_away_from(Bifurcation kind, const Stability& stability);
 
+/// stable_at judges a member at such a bifurcation, where the multipliers that reach the unit circle do not decide:
+/// false where another one is outside, else nothing.
+std::optional<bool> stable_at(Bifurcation kind, const Stability& stability);
+
 }  // namespace least::periodic

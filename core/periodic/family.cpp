@@ -34,6 +34,7 @@ class Family {
     member.value = step.value;
     member.bifurcation = bifurcation;
     member.orbit = step.orbit;
+    if (bifurcation != Bifurcation::none) member.orbit.stability.stable = stable_at(bifurcation, step.orbit.stability);
     member.period_slope = curve_.period_slope(step);
     ++given_;
     return take_(std::move(member));

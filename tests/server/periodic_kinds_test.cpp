@@ -43,6 +43,38 @@ TEST_F(PeriodicKinds, OfOscillatorsApartAreAllOne) {
   }
 }
 
+// Where a multiplier goes through the unit circle it does not tell whether the orbit is stable; another one outside
+// does.
+TEST_F(PeriodicKinds, AtABifurcationDoNotTell) {
+  const auto at_bifurcation = [](const Json& request) {
+    const Json made = orbit(request);
+    for (const Json& member : made["family"])
+      if (!member["bifurcation"].is_null()) return member;
+    return Json();
+  };
+  const Json heiles = custom(R"~({"variables": ["x", "y"],
+      "lagrangian": "(vx^2+vy^2)/2 - (x^2+y^2)/2 - x^2*y + y^3/3"})~");
+  const Json doubled = at_bifurcation({{"problem", heiles},
+                                       {"initial", {{"x", 0}, {"y", .1}, {"px", .3}, {"py", 0}}},
+                                       {"period", 6.3},
+                                       {"fixed", {"x"}},
+                                       {"family", {{"by", "energy"}, {"to", .16}, {"count", 12}}}});
+  ASSERT_EQ(doubled["bifurcation"], "period_doubling") << doubled;
+  EXPECT_TRUE(doubled["stable"].is_null()) << doubled;
+  for (const char* further : {"-0.2*w", "0.2*w"}) {
+    Json problem = custom(R"~({"variables": ["x", "y", "z", "w"], "parameters": {"c": -0.11},
+        "equations": {"x": "x*(1-x^2-y^2) - y", "y": "y*(1-x^2-y^2) + x", "z": "c*z - z^3"}})~");
+    problem["equations"]["w"] = further;
+    const Json parted = at_bifurcation({{"problem", problem},
+                                        {"initial", {{"x", 1}, {"y", 0}, {"z", 0}, {"w", 0}}},
+                                        {"period", 6.3},
+                                        {"fixed", {"w"}},
+                                        {"family", {{"by", "/problem/c"}, {"to", .14}, {"count", 6}}}});
+    ASSERT_EQ(parted["bifurcation"], "pitchfork_or_transcritical") << parted;
+    EXPECT_EQ(parted["stable"], further[0] == '-' ? Json() : Json(false)) << further;
+  }
+}
+
 // A pendulum that stands on its head on a point that shakes. Near it δ'' = (1 + A w cos(wt)) δ, integrated here by the
 // classical method of Runge and Kutta. Source: Landau & Lifshitz, Mechanics, 1976, section 30: it stands from A² > 2
 // on.

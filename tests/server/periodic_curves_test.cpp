@@ -153,5 +153,25 @@ TEST_F(PeriodicCurves, AreTheSameHoweverManyMembersAreAskedFor) {
   }
 }
 
+// Of a chain of equal springs the curve bends back at 1.978556, which members 400 and 1000 to the curve agree on; it
+// has neighbours that reach 2 without a fold.
+TEST_F(PeriodicCurves, BendBackHoweverManyMembersAreAskedFor) {
+  const Json problem = custom(R"~({"variables": ["x[4]"], "parameters": {"n": 4},
+      "definitions": {"at(i)": "if(i==0 or i>n,0,x[i])"},
+      "potential": "sum(i=1..n,(at(i+1)-at(i))^2/2+x[i]^4/4)"})~");
+  for (const int count : {60, 150}) {
+    const Json made = orbit({{"problem", problem},
+                             {"initial", {{"x", {.5, .7, .7, .5}}}},
+                             {"period", 9},
+                             {"symmetric", true},
+                             {"family", {{"by", "energy"}, {"to", 2}, {"count", count}}}});
+    std::vector<double> folds;
+    for (const Json& member : made["family"])
+      if (!member["bifurcation"].is_null()) folds.push_back(member["value"]);
+    ASSERT_EQ(folds.size(), 1U) << count;
+    EXPECT_NEAR(folds[0], 1.978556, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace least::server::test

@@ -52,7 +52,8 @@ double multipliers_away_from(Bifurcation kind, const Stability& stability) {
 
 std::optional<bool> stable_at(Bifurcation kind, const Stability& stability) {
   constexpr double at_one = 1e-7;
-  std::vector<Multiplier> others(others_of(stability).begin(), others_of(stability).end());
+  const std::span all = others_of(stability);
+  std::vector<Multiplier> others(all.begin(), all.end());
   const auto away = [kind](const Multiplier& one) {
     if (kind == Bifurcation::torus) return std::abs(std::abs(one.value) - 1);
     return std::abs(one.value + (kind == Bifurcation::period_doubling ? 1.0 : -1.0));

@@ -6,50 +6,73 @@ namespace least {
 namespace {
 
 constexpr double no_rate = -std::numeric_limits<double>::infinity();
+constexpr double no_time = std::numeric_limits<double>::quiet_NaN();
 
-/// log_sum returns ln Σ |c_k| τᵏ over from ≤ k < to from the logarithms ln |c_k|, so that no unit makes it overflow.
-double log_sum(std::span<const double> logs, double log_tau, std::size_t from, std::size_t to) {
-  double most = no_rate, sum = 0;
-  for (std::size_t k = from; k < to; ++k) most = std::max(most, logs[k] + static_cast<double>(k) * log_tau);
+/// log_sum returns the logarithm of a sum of which all terms are given by their logarithms, so that no unit makes it
+/// overflow.
+double log_sum(std::span<const double> logs) {
+  const double most = logs.empty() ? no_rate : std::ranges::max(logs);
   if (!(most > no_rate)) return no_rate;
-  for (std::size_t k = from; k < to; ++k) sum += std::exp(logs[k] + static_cast<double>(k) * log_tau - most);
+  double sum = 0;
+  for (const double one : logs) sum += std::exp(one - most);
   return most + std::log(sum);
 }
 
-/// log_time returns ln of the time at which the terms of higher order become as large as those of velocity and
-/// acceleration (or of the first order that does not vanish and the next); infinite if there are no higher terms.
-double log_time(std::span<const double> logs) {
-  constexpr double widest = 1500;  // beyond ln of the largest double
-  const std::size_t end = logs.size();
-  std::size_t first = 1;
-  if (logs[1] == no_rate && logs[2] == no_rate)
-    while (first < end && logs[first] == no_rate) ++first;
-  if (first + 2 >= end) return -no_rate;
-  const auto excess = [&](double log_tau) {
-    return log_sum(logs, log_tau, first + 2, end) - log_sum(logs, log_tau, first, first + 2);
-  };
-  if (log_sum(logs, 0, first + 2, end) == no_rate) return -no_rate;
-  double low = -widest, high = widest;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = (low + high) / 2;
-    (excess(middle) > 0 ? high : low) = middle;
+/// is_cyclic tells whether a momentum stays what it is: the motion of its coordinate, as that of an angle, has no time
+/// of its own.
+bool is_cyclic(std::span<const std::vector<double>> orders, std::size_t momentum) {
+  return std::ranges::all_of(orders.subspan(1), [=](const auto& terms) { return terms[momentum] == 0; });
+}
+
+/// log_size returns ln of the size N_k of all terms of order k: N_k² = Σ |q_k p_k₋₁| over the coordinates, or Σ x_k²
+/// over the variables of a flow. A coordinate times its momentum is an action, whatever the coordinate is measured in:
+/// lengths and angles may be added so. For p = m dq/dt it is k m q_k². Infinite where a term is not finite.
+double log_size(std::span<const std::vector<double>> orders, std::size_t k, std::size_t coordinates,
+                std::size_t momenta) {
+  std::vector<double> logs;
+  for (std::size_t i = 0; i < coordinates; ++i) {
+    if (momenta > 0 && is_cyclic(orders, i + momenta)) continue;
+    const double term = orders[k][i], partner = momenta > 0 ? orders[k - 1][i + momenta] : term;
+    if (!std::isfinite(term) || !std::isfinite(partner)) return -no_rate;
+    logs.push_back(std::log(std::abs(term)) + std::log(std::abs(partner)));
   }
-  return high;
+  return log_sum(logs) / 2;
+}
+
+/// log_time returns ln of the time at which the terms of orders above `low` become as large as those up to `low`;
+/// `logs` begins with ln N_1. It is NaN where either do not exist.
+double log_time(std::span<const double> logs, std::size_t low) {
+  constexpr double widest = 1500;  // beyond ln of the largest double
+  if (logs.size() <= low) return no_time;
+  if (log_sum(logs.first(low)) == no_rate || log_sum(logs.subspan(low)) == no_rate) return no_time;
+  std::vector<double> terms(logs.size());
+  const auto later_terms_win = [&](double log_tau) {
+    for (std::size_t k = 0; k < logs.size(); ++k) terms[k] = logs[k] + static_cast<double>(k) * log_tau;
+    return log_sum(std::span(terms).subspan(low)) > log_sum(std::span(terms).first(low));
+  };
+  double least = -widest, most = widest;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (least + most) / 2;
+    (later_terms_win(middle) ? most : least) = middle;
+  }
+  return most;
 }
 
 }  // namespace
 
 Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t coordinates, std::size_t momenta) {
-  constexpr double turn = 3;  // the time so defined is about three times 1/ω of an oscillator
-  double log_tau = -no_rate;
-  std::vector<double> logs(orders.size());
-  for (std::size_t i = 0; i < coordinates; ++i) {
-    for (std::size_t k = 0; k < orders.size(); ++k) logs[k] = std::log(std::abs(orders[k][i]));
-    if (!std::ranges::all_of(logs, [](double x) { return x < std::numeric_limits<double>::infinity(); })) return {};
-    log_tau = std::min(log_tau, log_time(logs));
+  // A start near a symmetric one has first terms that almost vanish in some coordinates, or in all where a force begins
+  // from zero. Sums over all coordinates and over several orders change as little as the start does.
+  constexpr std::size_t low = 4;
+  constexpr double turn = 3;  // in 1/ω the time so defined is about 4 for an oscillator, 2 for what is far from linear
+  std::vector<double> logs;
+  for (std::size_t k = 1; k < orders.size(); ++k) {
+    const double size = log_size(orders, k, coordinates, momenta);
+    if (!(size < -no_rate)) break;  // in units that are too small for orders so high
+    logs.push_back(size);
   }
   Scales scales;
-  const double tau = std::exp(log_tau) / turn;
+  const double tau = std::exp(log_time(logs, low)) / turn;
   if (!(tau > 0 && std::isfinite(tau))) return {};
   scales.time = tau;
   const auto size = [&](std::size_t k, std::size_t i) { return std::abs(orders[k][i]); };
@@ -64,7 +87,9 @@ Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t
 
 Scales scales_of_motion(tape::Program program, const double* start, double t, std::size_t components,
                         std::size_t half) {
-  constexpr int order = 8;  // for a start at rest where the force has no slope, order 6 is the first to turn the motion
+  // For a start at rest where the force has no slope, order 6 is the first to turn the motion. Higher ones would notice
+  // fast oscillations of the smallest amplitude.
+  constexpr int order = 8;
   tape::Series series(std::move(program), order, false);
   series.expand(start, t);
   std::vector<std::vector<double>> orders;
@@ -73,13 +98,15 @@ Scales scales_of_motion(tape::Program program, const double* start, double t, st
 }
 
 Scales scales_of_orbit(double mu, double r, double v_squared) {
-  // At the periapsis of a long ellipse the motion is far faster than its period suggests: the time is bounded by that
-  // of the start.
+  // At the periapsis of a long ellipse the motion is far faster than its period suggests, and a body that escapes has
+  // no period: the time is bounded by that of the start.
   constexpr double longest = 32;  // in units of the local time √(r³/μ)
-  const double energy = mu / r - v_squared / 2;
-  if (!(mu > 0 && r > 0 && energy > 0)) return {};
-  const double a = mu / (2 * energy), here = r * std::sqrt(r / mu);
-  return {std::min(a * std::sqrt(a / mu), longest * here), energy, a};
+  if (!(mu > 0 && r > 0)) return {};
+  const double local = mu / r, bound = local - v_squared / 2;
+  const double farthest = std::cbrt(longest * longest) * r;
+  const double a = 2 * farthest * bound > mu ? mu / (2 * bound) : farthest;
+  const double passing = std::min(1.0, std::sqrt(2 * local / v_squared));  // of a flight by, faster than it could orbit
+  return {a * std::sqrt(a / mu) * passing, std::max(mu / (2 * a), -bound), a};
 }
 
 }  // namespace least

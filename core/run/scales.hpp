@@ -21,7 +21,7 @@ namespace least {
 Scales scales_of_series(std::span<const std::vector<double>> orders, std::size_t coordinates, std::size_t momenta);
 
 /// scales_of_orbit returns the scales of an orbit about a centre of strength mu, of a body of unit mass at the distance
-/// r with the squared speed v_squared. Zeros if the orbit is not bound.
+/// r with the squared speed v_squared; of one far larger than r, or not bound, those of its part near the start.
 Scales scales_of_orbit(double mu, double r, double v_squared);
 
 /// scales_of_motion computes the scales from the series of the equations at a start with so many components; `half` is

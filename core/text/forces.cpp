@@ -35,20 +35,12 @@ void TextReader::read_forces() {
   const bool momenta = given_.kind == Definition::Kind::hamiltonian;
   form_->forces.assign(n(), Symbol(0));
   form_->friction.assign(n(), Symbol(0));
-  std::vector<bool> given(n(), false);
   const auto known = words(momenta ? 'p' : 'v', no_velocities, no_momenta, no_action);
-  for (const auto& [name, text] : given_.forces) {
-    const auto which = std::ranges::find(given_.variables, name);
-    const auto i = static_cast<std::size_t>(which - given_.variables.begin());
-    if (which == given_.variables.end()) {
-      fault(pointer_to("/forces/", name), "is the force on no variable", "one of the variables");
-    } else if (given[i]) {
-      fault(pointer_to("/forces/", name), "is the force on " + name + " once more", "one text for every coordinate");
-    } else if (const auto force = record(pointer_to("/forces/", name), text, known)) {
-      form_->forces[i] = *force;
-      given[i] = true;
-    }
-  }
+  const auto forces = texts_by_variable("/forces/", given_.forces, "the force on");
+  for (std::size_t i = 0; i < n(); ++i)
+    if (forces[i] != nullptr)
+      if (const auto force = record(pointer_to("/forces/", given_.variables[i]), *forces[i], known))
+        form_->forces[i] = *force;
   if (given_.dissipation)
     if (const auto d = record("/dissipation", *given_.dissipation, words('v', {}, no_momenta, no_action))) {
       std::vector<int> velocities;

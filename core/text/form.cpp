@@ -57,19 +57,15 @@ class Reader : TextReader {
 
   void read_flow() {
     const auto known = words(0, {}, {}, no_flow_action);
+    const auto rates = texts_by_variable("/equations/", given_.equations, "the rate of");
     for (std::size_t i = 0; i < n(); ++i) {
       const auto& name = given_.variables[i];
-      const auto found = std::ranges::find(given_.equations, name, &std::pair<std::string, std::string>::first);
-      if (found == given_.equations.end()) {
+      if (rates[i] == nullptr) {
         fault(pointer_to("/equations/", name), "is missing: every variable needs its rate", name);
-        continue;
-      }
-      if (const auto rate = record(pointer_to("/equations/", name), found->second, known))
+      } else if (const auto rate = record(pointer_to("/equations/", name), *rates[i], known)) {
         form_->rates.push_back(given_.backward ? -*rate : *rate);
+      }
     }
-    for (const auto& [name, text] : given_.equations)
-      if (std::ranges::find(given_.variables, name) == given_.variables.end())
-        fault(pointer_to("/equations/", name), "is the rate of no variable");
     form_->kind = FormKind::flow;
     Dependence all = 0;
     for (const Symbol& rate : form_->rates) all |= depends_(rate);
@@ -156,14 +152,11 @@ class Reader : TextReader {
       of_time.add(word);
     }
     form_->mass.assign(n(), Symbol(1));
-    for (const auto& [name, text] : given_.masses) {
-      const auto which = std::ranges::find(given_.variables, name);
-      if (which == given_.variables.end()) {
-        fault(pointer_to("/masses/", name), "is the mass of no variable");
-      } else if (const auto mass = record(pointer_to("/masses/", name), text, constants)) {
-        form_->mass[static_cast<std::size_t>(which - given_.variables.begin())] = *mass;
-      }
-    }
+    const auto masses = texts_by_variable("/masses/", given_.masses, "the mass of");
+    for (std::size_t i = 0; i < n(); ++i)
+      if (masses[i] != nullptr)
+        if (const auto mass = record(pointer_to("/masses/", given_.variables[i]), *masses[i], constants))
+          form_->mass[i] = *mass;
     for (std::size_t i = 0; i < n(); ++i)
       form_->momenta.push_back(form_->mass[i] * variable(numbers().momentum + static_cast<int>(i)));
     if (given_.damping && (given_.action_curvature || given_.offset))

@@ -104,6 +104,23 @@ Words TextReader::words(char momentum, std::string_view no_velocity, std::string
   return all;
 }
 
+std::vector<const std::string*> TextReader::texts_by_variable(std::string_view key, const Definition::Named& texts,
+                                                              std::string_view what) {
+  std::vector<const std::string*> all(n(), nullptr);
+  for (const auto& [name, text] : texts) {
+    const auto which = std::ranges::find(given_.variables, name);
+    if (which == given_.variables.end()) {
+      fault(pointer_to(key, name), "is " + std::string(what) + " no variable", "one of the variables");
+    } else if (auto& known = all[static_cast<std::size_t>(which - given_.variables.begin())]; known != nullptr) {
+      fault(pointer_to(key, name), "is " + std::string(what) + " " + name + " once more",
+            "one text for every variable");
+    } else {
+      known = &text;
+    }
+  }
+  return all;
+}
+
 std::optional<Symbol> TextReader::record(const std::string& pointer, const std::string& text, const Words& known) {
   characters_ += text.size();
   const std::size_t most = given_.typed ? most_written : most_characters;

@@ -25,6 +25,11 @@ class TextReader {
   /// record returns the symbol of a text; nothing where the text is wrong, and then the fault has been added.
   std::optional<Symbol> record(const std::string& pointer, const std::string& text, const Words& known);
 
+  /// texts_by_variable returns the text of each variable, null where `texts` has none. Texts of no variable, and
+  /// further ones of the same variable, are faults; `what` is "the force on", say, and `key` "/forces/".
+  std::vector<const std::string*> texts_by_variable(std::string_view key, const Definition::Named& texts,
+                                                    std::string_view what);
+
   void fault(std::string pointer, std::string detail, std::string allowed = {}) {
     faults_.push_back({std::move(pointer), {0, std::move(detail), std::move(allowed), {}}, false});
   }

@@ -149,9 +149,7 @@ void warn_of_rest(const FinishedRun& run, std::vector<Warning>& warnings) {
   problem.rates(start, rates.data());
   const auto still = [&](const RunState& x) { return at_zero(x.numbers); };
   if (at_zero(rates) && std::ranges::all_of(run.evidence.states(), still))
-    warnings.push_back(
-        {"starts_at_rest_in_equilibrium",
-         "nothing moves: what `initial` does not say is 0, and there the scene rests in an equilibrium"});
+    warnings.push_back({"starts_at_rest_in_equilibrium", std::string(nothing_moves)});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // will be.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "core/run/backend.hpp"
@@ -24,6 +25,11 @@ struct FinishedRun {
   bool acted;  ///< at least one event has acted
   const KeepGoing& keep_going;
 };
+
+/// Said of a scene given as text that starts at 0 in all variables and rests there: most likely its start was
+/// forgotten.
+inline constexpr std::string_view nothing_moves =
+    "nothing moves: what `initial` does not say is 0, and there the scene rests in an equilibrium";
 
 /// warn_of_run adds the warnings of a run. A control run comes first: where it agrees with the run up to the end, steps
 /// that look too long were short enough.

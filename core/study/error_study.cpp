@@ -155,6 +155,11 @@ ErrorStudy::ErrorStudy(const Request& scene, bool at_end, double seconds, const 
   truth_ = least::truth(*scene_.scene, times_, keep_going);
 }
 
+bool nothing_moves_in(const Scene& scene, const Conditioning& motion) {
+  return scene.mechanics->text() && std::ranges::all_of(scene.initial, [](double x) { return x == 0; }) &&
+         motion.complete && motion.size == 0;
+}
+
 double ErrorStudy::floor() const {
   const double rounding = 0x1p-53 * conditioning_->growth_in(scene_.norm, at_end_);
   return known() ? std::max(truth_->uncertainty_in(scene_.norm), rounding) : rounding;

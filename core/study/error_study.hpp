@@ -33,6 +33,10 @@ std::vector<SchemeConfig> suggested_candidates(const Scene& scene, const Keep& k
 /// catalogue_candidates does the same with the settings that the catalogue suggests for the problem.
 std::vector<SchemeConfig> catalogue_candidates(const Mechanics& mechanics, const Keep& keep);
 
+/// nothing_moves_in tells whether a scene given as text starts at 0 in all variables and rests there, of which runs warn
+/// (core/run/warnings.hpp): there is nothing to be studied.
+bool nothing_moves_in(const Scene& scene, const Conditioning& motion);
+
 /// Deadline is a limit of time that starts when it is made.
 class Deadline {
  public:

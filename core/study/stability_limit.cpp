@@ -7,6 +7,7 @@
 
 #include "core/problem_traits.hpp"
 #include "core/run/stability.hpp"
+#include "core/run/warnings.hpp"
 #include "core/study/error_study.hpp"
 #include "core/study/true_growth.hpp"
 
@@ -277,6 +278,10 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
   }
   LongRun run(scene, scheme, cancelled);
   const Conditioning& motion = run.motion();
+  if (nothing_moves_in(*scene.scene, motion)) {
+    limit.why = nothing_moves;
+    return limit;
+  }
   const double most = std::min(run.span(), dial.range.high);
   if (motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0) {
     // By linear theory every step grows, but not if the motion has nothing to grow, as a free motion or rest.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/run/warnings.hpp"
 #include "core/study/error_study.hpp"
 
 namespace least {
@@ -159,6 +160,11 @@ Study work_precision(const StudyPlan& plan, const std::function<bool(std::size_t
   study.end = subject.end();
   study.growth = subject.conditioning().growth_in(plan.scene.norm, plan.at_end);
   study.chaotic = subject.conditioning().chaotic(plan.scene.norm);
+  if (nothing_moves_in(*plan.scene.scene, subject.conditioning())) {
+    study.left_out.emplace_back(fmt::format("everything: {}", nothing_moves));
+    for (StudyCurve& curve : study.curves) curve.why = nothing_moves;
+    return study;
+  }
   if (!subject.known()) {
     const std::string_view missing = subject.truth().missing;
     study.left_out.emplace_back(

@@ -8,6 +8,7 @@
 #include "core/run/landmarks.hpp"
 #include "core/run/still_components.hpp"
 #include "core/run/tangent_motion.hpp"
+#include "core/tape/derivative.hpp"
 
 namespace least {
 namespace {
@@ -25,6 +26,23 @@ std::size_t steps_between_looks(const RunBackend& backend) {
   tape::Tape tape;
   backend.write_equations(tape);
   return tape.size() > small || tape.has_terms() ? 1 : 64;
+}
+
+/// keeps_volume tells whether a flow has no divergence, term by term: then nothing in it is damped.
+bool keeps_volume(const RunBackend& backend) {
+  if (!backend.motion().traits.flow) return false;
+  try {
+    tape::Tape tape;
+    const auto rates = backend.write_equations(tape);
+    std::size_t left = tape::most_of_equations;
+    Symbol divergence(0);
+    for (std::size_t i = 0; i < rates.size(); ++i)
+      for (const auto& [place, slope] : tape::slopes_of(tape, Symbol::at(tape, rates[i]), static_cast<int>(i), 1, left))
+        divergence = divergence + slope;
+    return divergence.is_constant() && divergence.constant() == 0;
+  } catch (const tape::TooManyOperations&) {
+    return false;
+  }
 }
 
 class GrowthOfDifferences {
@@ -99,7 +117,7 @@ class GrowthOfDifferences {
     found_.so_far.fill(1);
     found_.relative_so_far.fill(1);
     if (problem_.traits.constant_damping) found_.damping = problem_.damping(from_);
-    if (problem_.traits.conservative) found_.damping = 0;
+    if (problem_.traits.conservative || problem_.traits.keeps_energy || keeps_volume_) found_.damping = 0;
     sizes_ = ComponentSizes(kinds_, size_);
     derivatives_.assign(parts * size_ * size_, 0);
     at_end_.assign(size_ * size_, 0);
@@ -252,6 +270,7 @@ class GrowthOfDifferences {
   const RunBackend& backend_;
   const ProblemTable& problem_;
   const std::size_t size_ = problem_.traits.components;
+  const bool keeps_volume_ = keeps_volume(backend_);
   const KeepGoing& keep_going_;
   const std::size_t between_looks_ = steps_between_looks(backend_);
   std::span<const std::size_t> kinds_;

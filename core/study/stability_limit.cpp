@@ -68,15 +68,16 @@ class LongRun {
   const Conditioning& motion() const { return *motion_; }
   double span() const { return request_.end - start(); }
 
-  /// failure returns how a run with steps h fails; empty where it does not.
-  std::string_view failure(std::size_t setting, double h) {
-    constexpr std::int64_t least_steps = 2000;
+  /// failure returns how a run with steps h fails; empty where it does not. Runs are `longer` times as long as they
+  /// otherwise are.
+  std::string_view failure(std::size_t setting, double h, double longer = 1) {
+    constexpr double least_steps = 2000, most_steps = 1e5;
     Request request = request_;
     request.settings[setting] = h;
-    request.steps = static_cast<std::int64_t>(std::min(std::ceil(span() / h), 1e5));
     // If the motion ends, or runs away, the run goes no further than the motion is known.
     request.until_steps = !motion_->ends && !(runs_away() && keeps_energy());
-    if (request.until_steps) request.steps = std::max(request.steps, least_steps);
+    const double steps = std::max(std::ceil(span() / h), request.until_steps ? least_steps : 1);
+    request.steps = static_cast<std::int64_t>(std::min(longer * steps, most_steps));
     const Tried tried = run(request, h);
     const std::string_view found = failure_of(tried, [&](const Tried& run) { return grows(run); });
     if (found.empty() || found == "sign_flip" || !growth_) return found;
@@ -256,6 +257,16 @@ class FirstFailure {
   const std::atomic<bool>& cancelled_;
 };
 
+/// grows_at_any_step tells whether the growth that ends the stable steps at `limit` is only slower at shorter ones. An
+/// undamped oscillation that grows by 1 + c zⁿ in a step of the phase z grows by the rate c ωⁿ hⁿ⁻¹: at half the step,
+/// as much in 2ⁿ⁻¹ times the time. Runs are twice as long as that.
+bool grows_at_any_step(LongRun& run, std::size_t setting, double limit, const SchemeConfig& scheme) {
+  constexpr double z = 0.1;
+  const auto growth = [&](double phase) { return growth_per_step(scheme.scheme, scheme.settings, phase, 0) - 1; };
+  const double times = growth(2 * z) / growth(z);  // 2ⁿ
+  return run.failure(setting, limit / 2, 2 * times) == "energy_growth";
+}
+
 /// any_fails tells whether a step up to `most` fails, beginning with the longest.
 bool any_fails(LongRun& run, std::size_t setting, double most, const std::atomic<bool>& cancelled) {
   constexpr int halvings = 10;
@@ -283,7 +294,8 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
     return limit;
   }
   const double most = std::min(run.span(), dial.range.high);
-  if (motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0) {
+  const bool grows_undamped = motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0;
+  if (grows_undamped && motion.energy > 0) {
     // By linear theory every step grows, but not if the motion has nothing to grow, as a free motion or rest.
     if (any_fails(run, dial.index, most, cancelled)) {
       limit.step = limit.theory = 0;
@@ -310,6 +322,11 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
     return limit;
   }
   limit.step = first.stable();
+  if (grows_undamped && grows_at_any_step(run, dial.index, limit.step, scheme)) {
+    limit.step = 0;
+    limit.failing = unknown;
+    return limit;
+  }
   limit.failing = first.failing();
   if (limit.failure == "sign_flip") limit.theory = flips_from(scheme.scheme, scheme.settings) / motion.damping;
   return limit;

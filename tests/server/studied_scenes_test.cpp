@@ -16,6 +16,40 @@ class StudiedScenes : public Asking {
   }
 };
 
+// The amplitude of an undamped oscillation grows by sqrt(1 + h²) at every step of explicit_euler, by sqrt(1 + h⁴/4) at
+// every step of explicit_midpoint, whatever form it is typed in.
+TEST_F(StudiedScenes, WhatIsNotDampedGrowsAtEveryStepOfSomeSchemes) {
+  const std::pair<Json, Json> scenes[] = {
+      {custom(R"({"variables":["x"],"potential":"x^2/2"})"), {{"x", 1}}},
+      {custom(R"({"variables":["x","v"],"equations":{"x":"v","v":"-x"}})"), {{"x", 1}}},
+      {custom(R"({"variables":["x","v","y","w"],
+                  "equations":{"x":"v","v":"-x+y/4","y":"w","w":"-2*y+x/4"}})"),
+       {{"x", 1}}},
+      {custom(R"~({"variables":["x","y"],"lagrangian":"(vx^2+vy^2)/2+(x*vy-y*vx)/4-(x^2+y^2)/2"})~"), {{"x", 1}}},
+      {"foucault", nullptr},
+      {"charged_particle", nullptr},
+      {"restricted_three_body", nullptr},
+      {"rigid_body", nullptr}};
+  for (const auto& [problem, initial] : scenes)
+    for (const char* scheme : {"explicit_euler", "explicit_midpoint"}) {
+      const Json found = limit(problem, initial, scheme);
+      EXPECT_EQ(found["step"], 0) << problem << found;
+      EXPECT_EQ(found["failure"], "energy_growth") << problem << found;
+    }
+}
+
+// Damped, stable where |1 + hλ| <= 1: λ = -0.5 ± i sqrt(0.75), h <= 1. A saddle grows by itself; its other direction
+// is stable up to h = 2. Undamped, but stable: Runge and Kutta's up to 2 sqrt(2).
+TEST_F(StudiedScenes, OtherEquationsHaveAStep) {
+  const Json damped = custom(R"({"variables":["x","v"],"equations":{"x":"v","v":"-x-v"}})"),
+             circle = custom(R"({"variables":["x","v"],"equations":{"x":"v","v":"-x"}})"),
+             saddle = custom(R"({"variables":["x","y"],"equations":{"x":"x","y":"-y"}})");
+  EXPECT_NEAR(limit(damped, {{"x", 1}}, "explicit_euler")["step"], 1, 0.05);
+  EXPECT_NEAR(limit(circle, {{"x", 1}}, "runge_kutta_4")["step"], 2 * std::sqrt(2.0), 0.05);
+  const Json found = limit(saddle, {{"x", 1}, {"y", 1}}, "explicit_euler");
+  EXPECT_TRUE(found["step"].is_null() || found["step"] > 0.1) << found;
+}
+
 TEST_F(StudiedScenes, ThatRestSaySo) {
   const Json spring = custom(R"({"variables":["x"],"potential":"50*x^2"})");
   const Json schemes{"explicit_euler", "runge_kutta_4"};

@@ -33,8 +33,8 @@ std::vector<SchemeConfig> suggested_candidates(const Scene& scene, const Keep& k
 /// catalogue_candidates does the same with the settings that the catalogue suggests for the problem.
 std::vector<SchemeConfig> catalogue_candidates(const Mechanics& mechanics, const Keep& keep);
 
-/// nothing_moves_in tells whether a scene given as text starts at 0 in all variables and rests there, of which runs warn
-/// (core/run/warnings.hpp): there is nothing to be studied.
+/// nothing_moves_in tells whether a scene given as text starts at 0 in all variables and rests there, of which runs
+/// warn (core/run/warnings.hpp): there is nothing to be studied.
 bool nothing_moves_in(const Scene& scene, const Conditioning& motion);
 
 /// Deadline is a limit of time that starts when it is made.
@@ -82,8 +82,14 @@ class ErrorStudy {
   /// floor() returns the error below which errors are meaningless, from conditioning and from the reference's
   /// uncertainty.
   double floor() const;
-  /// plateau(): errors below it that do not fall any more are round-off; errors above may fall again.
-  double plateau() const { return conditioning_->chaotic(scene_.norm) ? 1 : std::max(1e-3, 100 * floor()); }
+  /// round_off(): errors below it that do not fall any more are round-off; errors above may fall again, in particular
+  /// those of a chaotic motion, which stay as large as the motion until a run follows it to the end.
+  double round_off() const {
+    const double most = conditioning_->chaotic(scene_.norm) ? 0.03 : std::numeric_limits<double>::infinity();
+    return std::max(1e-3, std::min(100 * floor(), most));
+  }
+  /// plateau() is the same for a search, which foresees the errors of a chaotic motion.
+  double plateau() const { return conditioning_->chaotic(scene_.norm) ? 1 : round_off(); }
   double start() const { return scene_.scene->start; }
   double end() const { return scene_.end; }
   bool ends_early() const { return conditioning_->ends; }

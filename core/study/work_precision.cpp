@@ -71,7 +71,7 @@ class Ladder {
     last_ = whole ? trial.error : std::numeric_limits<double>::infinity();
     value_ /= finer;
     if (dial_.name == "step") cost_ = std::max(cost_, (subject_.end() - subject_.start()) / value_);
-    const bool at_floor = trial.error < 3 * subject_.floor() || (flat_ >= 2 && trial.error < subject_.plateau());
+    const bool at_floor = trial.error < 3 * subject_.floor() || (flat_ >= 2 && trial.error < subject_.round_off());
     const bool dear = cost_ > static_cast<double>(plan_.most_forces) || trial.status == ReturnCode::step_limit;
     over_ = at_floor || dear || value_ < std::max(dial_.range.low, 1e-12 * longest_);
   }

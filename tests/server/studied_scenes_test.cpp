@@ -71,5 +71,20 @@ TEST_F(StudiedScenes, ThatRestSaySo) {
   }
 }
 
+// In a chaotic motion errors stay as large as the motion until steps are short enough to follow it to the end.
+TEST_F(StudiedScenes, CurvesOfAChaoticMotionGoDownToRoundOff) {
+  runs::problem_called("lorenz");
+  const Json study =
+      answer({{"problem", "lorenz"}, {"schemes", {"taylor", "runge_kutta_4"}}, {"until", 30}, {"budget_seconds", 20}},
+             "/v1/work-precision");
+  EXPECT_TRUE(study["chaotic"]);
+  for (const Json& curve : study["curves"]) {
+    double best = 1;
+    for (const Json& point : curve["points"])
+      if (point["error"].is_number()) best = std::min(best, point["error"].get<double>());
+    EXPECT_LT(best, 1e-3) << curve;
+  }
+}
+
 }  // namespace
 }  // namespace least::server::test

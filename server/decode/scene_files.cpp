@@ -61,7 +61,7 @@ class FileReader {
     auto* const mechanics = std::get_if<std::shared_ptr<const Mechanics>>(&made);
     if (mechanics == nullptr) throw std::logic_error(in_file("has no mechanics"));
     const Json* const events = find(file_, "events");
-    return {std::move(*mechanics), events ? *events : Json()};
+    return {std::move(*mechanics), events ? *events : Json(), std::move(velocities_)};
   }
 
  private:
@@ -75,6 +75,7 @@ class FileReader {
 
   // scene_with returns the scene as a request would give it, with the values of a preset.
   Scene scene_with(const Json& preset) {
+    std::vector<double>& velocities = velocities_[text_at(preset, "name")];
     Json problem = object_at(file_, "scene"), initial = object_at(file_, "initial");
     problem["id"] = custom_id;
     problem.update(object_at(preset, "parameters"));
@@ -82,7 +83,7 @@ class FileReader {
     Scene scene;
     scene.mechanics = typed_;
     const Json root = {{"problem", std::move(problem)}, {"initial", std::move(initial)}};
-    read_scene(root, top(), scene);
+    read_scene(root, top(), scene, &velocities);
     check_start(root, top(), scene);
     check();
     return scene;
@@ -142,6 +143,7 @@ class FileReader {
   Faults faults_;
   Json file_;
   std::shared_ptr<const Mechanics> typed_;
+  std::map<std::string, std::vector<double>, std::less<>> velocities_;
 };
 
 }  // namespace
@@ -167,6 +169,17 @@ const std::vector<TextProblem>& text_problems() {
     return made;
   }();
   return all;
+}
+
+const std::vector<double>& default_velocities(const text::TextScene& scene, std::string_view preset) {
+  static const std::vector<double> none;
+  if (!scene.known) return none;
+  for (const TextProblem& one : text_problems()) {
+    if (one.mechanics->text() != &scene) continue;
+    const auto found = one.velocities.find(preset);
+    return found == one.velocities.end() ? none : found->second;
+  }
+  return none;
 }
 
 const Json* own_events(const Mechanics& problem) {

@@ -1,8 +1,10 @@
 // Problems of the catalogue that are given as text: one file of core/scenes each, embedded in the binary.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -29,6 +31,9 @@ std::span<const SceneFile> scene_files();
 struct TextProblem {
   std::shared_ptr<const Mechanics> mechanics;
   Json events;  ///< null where there are none
+  /// Velocities of the default start, at "", and of those of presets, where the file states no momenta: they stay where
+  /// a request changes a parameter or a coordinate.
+  std::map<std::string, std::vector<double>, std::less<>> velocities;
 };
 /// read_scene_file reads one. Throws std::logic_error with what is wrong with the file, std::runtime_error where this
 /// build omits its form.
@@ -36,6 +41,10 @@ TextProblem read_scene_file(std::string_view path, std::string_view body);
 
 /// text_problems() returns all problems whose form this build has; they are read once.
 const std::vector<TextProblem>& text_problems();
+
+/// default_velocities returns the velocities of the default start of a scene, or of a preset, in the order of the
+/// coordinates; empty for a scene that is not of a file, or whose start is stated in momenta.
+const std::vector<double>& default_velocities(const text::TextScene& scene, std::string_view preset = {});
 
 /// own_events returns the events that a scene brings along; null where it has none.
 const Json* own_events(const Mechanics& problem);

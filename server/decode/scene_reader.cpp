@@ -16,6 +16,7 @@
 #include "server/decode/custom_reader.hpp"
 #include "server/decode/objection_place.hpp"
 #include "server/decode/pictures_reader.hpp"
+#include "server/decode/scene_files.hpp"
 
 namespace least::server {
 namespace {
@@ -115,22 +116,26 @@ std::vector<std::string> velocity_names(const text::TextScene& scene) {
 }
 
 // read_velocities reads a start with velocities, or with momenta of some coordinates and velocities of the others;
-// momenta that are not given follow from velocities.
+// momenta that are not given follow from velocities. Missing velocities are 0; in the catalogue those of the default
+// start, which are `known` if it says them, whatever parameters and coordinates the request gives.
 void read_velocities(const Json& initial, const FieldPath& start, const text::TextScene& text,
-                     const std::vector<std::string>& names, Scene& scene, std::vector<double>* velocities) {
-  // Missing velocities are 0; in the catalogue, those of the default start, which is in momenta
-  const bool rests = !text.known;
+                     const std::vector<std::string>& names, const std::vector<double>& known, Scene& scene,
+                     std::vector<double>* velocities) {
   if (names.empty()) return;
-  if (!rests && std::ranges::none_of(names, [&](const auto& name) { return find(initial, name) != nullptr; })) return;
+  const bool by_default = !text.known || !known.empty();
+  if (!by_default && std::ranges::none_of(names, [&](const auto& name) { return find(initial, name) != nullptr; }))
+    return;
   std::vector<double> state = scene.initial;
   const auto moving = state.begin() + text.capacity;
   const std::vector<double> said(moving,
                                  // The momenta, where they are given
                                  moving + static_cast<std::ptrdiff_t>(names.size()));
-  if (rests)
+  if (by_default) {
     std::fill(moving, moving + text.capacity, 0.0);
-  else
+    std::ranges::copy(known, moving);
+  } else {
     std::ranges::copy(text::velocities_of(text, scene.parameters, scene.start, state), moving);
+  }
   std::vector<std::size_t> in_momenta;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string momentum = text::momentum_name(text.definition.variables[i]);
@@ -154,10 +159,10 @@ void read_velocities(const Json& initial, const FieldPath& start, const text::Te
 }
 
 // is_in_velocities tells whether a start is given by velocities, which then stay fixed: it has no momenta; or, for a
-// problem of the catalogue, whose default start is in momenta, it has a velocity.
+// problem of the catalogue whose default start is in momenta, it has a velocity.
 bool is_in_velocities(const Json& root, const text::TextScene* text) {
   if (!text || !text->takes_velocities()) return false;
-  const bool by_default = !text->known;
+  const bool by_default = !text->known || !default_velocities(*text).empty();
   const Json* initial = find(root, "initial");
   if (initial == nullptr) return by_default;
   const auto kind = [](const std::string& name) { return name.substr(0, name.find('[')); };
@@ -264,7 +269,10 @@ const PresetCard* read_scene(const Json& root, const FieldPath& top, Scene& scen
     if (value) (i == 0 ? scene.start : scene.initial[i - 1]) = *value;
     given = given || i > 0;
   }
-  if (text) read_velocities(*initial, start, *text, names_of_velocities, scene, velocities);
+  if (text) {
+    const std::vector<double>& by_default = default_velocities(*text, preset ? preset->name : std::string_view());
+    read_velocities(*initial, start, *text, names_of_velocities, by_default, scene, velocities);
+  }
   if (given) return preset;
   if (auto regular = scene.mechanics->regular_start(scene.parameters, scene.start)) {
     if (regular->objection.empty()) {

@@ -193,8 +193,8 @@ TEST_F(Scenes, StartInVelocitiesBesideTheDefault) {
   EXPECT_EQ(run["problem"]["m[2]"], 2);
   EXPECT_EQ(run["initial"]["px[2]"], 1);
   EXPECT_EQ(run["initial"]["x[1]"], plain["initial"]["x[1]"]);
-  // Momenta are the variables of the card: they keep their default, whatever the masses are.
-  EXPECT_NEAR(run["initial"]["py[3]"], plain["initial"]["py[3]"], 1e-15);
+  // The file states velocities: these keep their default, whatever the masses are.
+  EXPECT_NEAR(run["initial"]["py[3]"], 3 * plain["initial"]["py[3]"].get<double>(), 1e-15);
   EXPECT_NEAR(run["initial"]["px[1]"], plain["initial"]["px[1]"], 1e-15);
   Json both = request;
   both["initial"]["py[1]"] = 0.25;  // of each coordinate the one or the other

@@ -293,12 +293,32 @@ bool holds_velocities(const Json& root, const Json& asked, const FieldPath& path
   return read_name(*holds, path.at("holds"), names, "part of a start").value_or(0) == 1;
 }
 
+namespace {
+
+// keeps_velocities tells whether a start has the velocities that the request says, if it says any. Where a mass
+// vanishes, momenta do not know them.
+bool keeps_velocities(const Json& root, const Scene& scene, const std::vector<double>& start) {
+  constexpr double close = 1e-6;
+  const text::TextScene& text = *scene.mechanics->text();
+  if (!text.takes_velocities()) return true;
+  Faults faults;
+  Scene asked{scene.mechanics, {}, {}, 0};
+  std::vector<double> said;
+  read_scene(root, {"", &faults}, asked, &said);
+  const std::vector<double> has = text::velocities_of(text, scene.parameters, scene.start, start);
+  for (std::size_t i = 0; i < said.size(); ++i)
+    if (said[i] != 0 && !(std::abs(has[i] - said[i]) <= close * std::abs(said[i]))) return false;
+  return true;
+}
+
+}  // namespace
+
 void check_start(const Json& root, const FieldPath& top, Scene& scene) {
   const text::TextScene* const text = scene.mechanics->text();
   if (text == nullptr || top.faults->within("/problem") || top.faults->within("/initial")) return;
   auto objection = text->objection_to_start(scene.parameters, scene.start, scene.initial);
   if (!objection) return;
-  if (auto other = start_beside(scene)) {
+  if (auto other = start_beside(scene); other && keeps_velocities(root, scene, *other)) {
     scene.initial = *std::move(other);
     return;
   }

@@ -48,7 +48,7 @@ bool holds_velocities(const Json& root, const Json& asked, const FieldPath& path
                       bool both = true);
 
 /// check_start notes the objections of a scene given as text to its start. A start where the mechanics is not finite,
-/// but the motion is, is moved slightly.
+/// but the motion is, is moved slightly, unless velocities of the request would be lost.
 void check_start(const Json& root, const FieldPath& top, Scene& scene);
 
 /// read_settings returns a scheme's settings: defaults of the card, then what the problem or its preset suggests, in

@@ -55,5 +55,19 @@ TEST_F(StatedVelocities, OfACatalogueSceneAreThoseOfAllMembers) {
   }
 }
 
+// A mass that vanishes at the start: no momentum knows the velocity that was said.
+TEST_F(StatedVelocities, AreNotLostWhereAMassVanishes) {
+  Json request = final_only(custom(R"({"variables":["x"],"lagrangian":"x^2*vx^2/2"})"), 2);
+  request["initial"] = {{"x", 0}, {"vx", 1}};
+  const Json fault = fault_of(request);
+  EXPECT_EQ(fault["pointer"], "/problem/lagrangian");
+  EXPECT_NE(fault["detail"].get<std::string>().find("no inverse there"), std::string::npos) << fault;
+  // At the pole of a sphere the motion goes on with the velocity that was said.
+  Json sphere =
+      final_only(custom(R"~({"variables":["theta","phi"],"lagrangian":"(vtheta^2 + sin(theta)^2*vphi^2)/2"})~"), 2);
+  sphere["initial"] = {{"theta", 0}, {"vtheta", 0.5}};
+  EXPECT_NEAR(answer(sphere)["final"]["theta"], 1, 1e-9);
+}
+
 }  // namespace
 }  // namespace least::server::test

@@ -322,30 +322,26 @@ TEST_F(EnsembleHttp, SaysOfWhichMembersEventsAreUnresolved) {
 
 // Members for which a column is not finite are left out of its statistics, and the answer tells their number.
 TEST_F(EnsembleHttp, SaysForHowManyMembersAColumnIsNotFinite) {
-  Json counted = Json::parse(
-      R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": 1, "keep": ["final"],
-          "columns": ["q", {"name": "l", "expression": "log(q)"}], "histograms": {
-  "l" : { "range" : [ -5, 5 ], "bins" : 1 }
-}
-})");
-  counted["members"]["vary"]["/initial/q"]["values"] = {-3, -2, -1, 1};
-Json with_statistics = counted, without = counted;
-with_statistics["keep"] = {"statistics", "final"};
-without.erase("histograms");
-const auto told = [&](const Json& asked) {
-  std::vector<std::string> all;
-  const Json answer = Json::parse(ask(port(), post("/v1/ensemble", asked.dump())).body);
-  EXPECT_EQ(answer["completed"], 4);
-  for (const Json& warning : answer["warnings"])
-    if (warning["code"] == "values_not_finite") all.push_back(warning["detail"]);
-  return all;
-};
-for (const Json& asked : {with_statistics, counted}) {
-  const auto all = told(asked);
-  ASSERT_EQ(all.size(), 1U);
-  EXPECT_EQ(all[0].find("l is not a finite number for 3 of the 4 members"), 0U) << all[0];
-}
-EXPECT_TRUE(told(without).empty()) << "final states have their nulls";
+  Json counted = Json::parse(R"~({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": 1,
+      "columns": ["q", {"name": "l", "expression": "log(q)"}], "histograms": {"l": {"range": [-5, 5], "bins": 1}},
+      "keep": ["final"], "members": {"vary": {"/initial/q": {"values": [-3, -2, -1, 1]}}}})~");
+  Json with_statistics = counted, without = counted;
+  with_statistics["keep"] = {"statistics", "final"};
+  without.erase("histograms");
+  const auto told = [&](const Json& asked) {
+    std::vector<std::string> all;
+    const Json answer = Json::parse(ask(port(), post("/v1/ensemble", asked.dump())).body);
+    EXPECT_EQ(answer["completed"], 4);
+    for (const Json& warning : answer["warnings"])
+      if (warning["code"] == "values_not_finite") all.push_back(warning["detail"]);
+    return all;
+  };
+  for (const Json& asked : {with_statistics, counted}) {
+    const auto all = told(asked);
+    ASSERT_EQ(all.size(), 1U);
+    EXPECT_EQ(all[0].find("l is not a finite number for 3 of the 4 members"), 0U) << all[0];
+  }
+  EXPECT_TRUE(told(without).empty()) << "final states have their nulls";
 }
 
 // The limit counts numbers: the time of a point and its other columns, as the sections of single runs do.

@@ -139,7 +139,7 @@ TEST(Ensemble, AStroboscopicSectionIsTakenAtItsTimes) {
     EXPECT_NEAR(all.section.values[2 * i], size * std::cos(all.section.t[i]), 1e-4 * size);
     EXPECT_NEAR(all.section.values[2 * i + 1], -size * std::sin(all.section.t[i]), 1e-4 * size);
   }
-  plan.request.limits.samples = 7;
+  plan.request.limits.samples = 7 * 3 + 2;  // numbers: t, q and p of seven points
   const Harvest few = harvest_of(plan);
   EXPECT_TRUE(few.truncated);
   EXPECT_EQ(few.section.t.size(), 7u);

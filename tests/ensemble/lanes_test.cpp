@@ -212,7 +212,7 @@ TEST(LaneMembers, MeetPlanesWhereTheyLie) {
     }
     EXPECT_EQ(at, met.section.t.size());
   }
-  plan.request.limits.samples = 11;
+  plan.request.limits.samples = 11 * 3;  // numbers: t, q and p of eleven points
   const Harvest few = in_lanes(plan, lane_units().front()).value();
   EXPECT_TRUE(few.truncated);
   EXPECT_EQ(few.section.member, (std::vector<std::int64_t>{0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1}));

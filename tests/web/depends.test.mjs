@@ -100,3 +100,12 @@ pageTest("the table scrolls by itself on a telephone", narrow, async (page) => {
   await differentiate(page, /neighbour/);
   assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 360);
 });
+
+// Let go at rest, a body falls into the centre; the derivatives are those of free fall along its last samples.
+pageTest("of a run that stops the derivatives are those of the last sample that they reach",
+  { hash: "#problem=kepler&initial.x=1&initial.y=0&initial.px=0&initial.py=0&until.t=5&A=taylor&tangent.count=2&tangent.vary=x" }, async (page) => {
+    await differentiate(page, /^Derivatives of the motion with taylor.*at t = 1\.1/);
+    const { x } = await table(page);
+    assert.ok(x[0] > 1, `a body let go farther out is farther out: ${x[0]}`);
+    assert.ok((await drawn(page, "#tangent canvas.plane", "--run-a")).count > 100);
+  });

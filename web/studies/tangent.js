@@ -73,8 +73,11 @@ export class Tangent extends Study {
     const sensitivities = { by: names.map((name) => pointerTo(this.problem, name)), at: "samples", ...(asked.of === "usual" ? {} : { of: asked.of }) };
     const { outcome, faults } = await api.simulate({ ...request, sensitivities }, signal);
     if (faults) return { faults };
+    const { of, uncertainty, final, samples, reason } = outcome.sensitivities;
+    if (!samples.length) return { said: text("tangent.none", { reason }) };
     this.#tabulate(outcome, names);
-    const end = outcome.stop?.t ?? outcome.final.t, { of, uncertainty } = outcome.sensitivities;
+    // Where the derivatives do not reach the end, those of the last sample that they reach are shown.
+    const end = final ? outcome.stop?.t ?? outcome.final.t : outcome.trajectory.t[samples.length - 1];
     const said = text(`tangent.said.${of}`, { scheme: title(card, outcome.scheme), t: format(end, 5), known: format(uncertainty, 2) });
     const shift = Number.isFinite(asked.shift) ? asked.shift : shiftFor(outcome, names.indexOf(asked.vary), asked);
     const beside = await this.#neighbours(request, outcome, { ...asked, shift }, signal);
@@ -97,8 +100,8 @@ export class Tangent extends Study {
   #fan({ trajectory, sensitivities, final, ...base }, names, { vary, x, y }, neighbours) {
     if (!neighbours.length) return "";
     const at = names.indexOf(vary), row = (name) => sensitivities.rows.indexOf(name);
-    const moved = (name, by) => trajectory[name].map((v, i) => (name === "t" ? v : v + by * sensitivities.samples[i][row(name)][at]));
-    const predicted = (by) => ({ t: trajectory.t, [x]: moved(x, by), [y]: moved(y, by) });
+    const moved = (name, by) => sensitivities.samples.map((sample, i) => trajectory[name][i] + (name === "t" ? 0 : by * sample[row(name)][at]));
+    const predicted = (by) => ({ t: moved("t", by), [x]: moved(x, by), [y]: moved(y, by) });
     const drawn = (columns, more) => ({ ...curveOf(columns, x, y), series: x === "t", events: [], ...more });
     const hue = (by) => (by < 0 ? "--run-b" : "--run-c");
     const runs = [drawn(trajectory, { colour: "--run-a", title: "" }),
@@ -114,19 +117,20 @@ export class Tangent extends Study {
     const from = valueOf(this.problem, base, vary), ends = [neighbours[0].by, neighbours.at(-1).by].map((by) => format(from + by, 6));
     this.find("figcaption").textContent = text("tangent.legend", { name: vary, from: ends[0], to: ends[1] });
     if (neighbours.some(({ outcome }) => outcome.stop) || base.stop) return ` ${text("tangent.stopped")}`;
-    const { rows } = sensitivities, matrix = sensitivities.final;
+    const { rows, final: matrix } = sensitivities;
+    if (!matrix) return ` ${text("tangent.none", { reason: sensitivities.reason })}`;
     const { by, outcome } = neighbours.reduce((far, one) => (Math.abs(one.by) > Math.abs(far.by) ? one : far));
     const where = Object.fromEntries(rows.map((name, i) => [name, final[name] + by * matrix[i][at]]));
     const [far, missed] = [final, where].map((place) => format(apart(outcome.final, place, rows), 3));
     return ` ${text("tangent.missed", { far, missed })}`;
   }
 
-  #tabulate({ sensitivities: { rows, final, events } }, names) {
+  #tabulate({ sensitivities: { rows, final, samples, events } }, names) {
     const used = names.map((_, j) => j).filter((j) => names[j] !== "s" || rows.includes("s")); // which is carried and moves nothing
     const cells = (derivatives) => used.map((j) => format(derivatives[j], 3));
     const times = events.slice(0, 12).map(({ name, t }, i) => (
       [text("tangent.event", { name, i: events.slice(0, i + 1).filter((other) => other.name === name).length }), ...cells(t)]));
     this.find("#derivatives").replaceChildren(tableOf(text("tangent.table"), [text("tangent.corner"), ...used.map((j) => names[j])],
-      [...rows.slice(0, most).map((name, i) => [name, ...cells(final[i])]), ...times]));
+      [...rows.slice(0, most).map((name, i) => [name, ...cells((final ?? samples.at(-1))[i])]), ...times]));
   }
 }

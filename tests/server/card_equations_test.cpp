@@ -27,7 +27,7 @@ TEST_F(CardEquations, OfAnOscillatorAreThoseOfTextbooks) {
 
 // Of every problem of the catalogue they are said; typed as a scene they lead to the same end as the problem itself.
 TEST_F(CardEquations, OfEveryProblemLeadToTheSameMotion) {
-  int compared = 0;
+  std::size_t compared = 0;
   for (const ProblemCard& problem : runs::problem_cards()) {
     const Json card = answer({{"problem", problem.id}}, "/v1/problems");
     ASSERT_TRUE(card.contains("form")) << problem.id;
@@ -74,7 +74,7 @@ TEST_F(CardEquations, OfEveryProblemLeadToTheSameMotion) {
           << problem.id << ' ' << name;
     }
   }
-  EXPECT_GT(compared, 8);
+  EXPECT_GT(5 * compared, runs::problem_cards().size());
 }
 
 }  // namespace

@@ -347,7 +347,7 @@ TEST_F(EnsembleHttp, SaysForHowManyMembersAColumnIsNotFinite) {
 // The limit counts numbers: the time of a point and its other columns, as the sections of single runs do.
 TEST_F(EnsembleHttp, SectionsHaveRoomForAsManyNumbersAsTheLimitSays) {
   Json request = Json::parse(
-      R"({"problem": "pendulum", "scheme": "leapfrog", "until": 100, "keep": ["section"], "section": {"period": 0.1},
+      R"({"problem": "harmonic_oscillator", "scheme": "leapfrog", "until": 100, "keep": ["section"], "section": {"period": 0.1},
           "columns": [], "limits": {"samples": 1000}})");
   for (int k = 0; k < 9; ++k)
     request["columns"].push_back({{"name", "c" + std::to_string(k)}, {"expression", "q+" + std::to_string(k)}});

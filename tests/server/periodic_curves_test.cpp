@@ -164,6 +164,7 @@ TEST_F(PeriodicCurves, BendBackHoweverManyMembersAreAskedFor) {
                              {"initial", {{"x", {.5, .7, .7, .5}}}},
                              {"period", 9},
                              {"symmetric", true},
+                             {"limits", {{"seconds", 60}}},  // under a sanitizer, too
                              {"family", {{"by", "energy"}, {"to", 2}, {"count", count}}}});
     std::vector<double> folds;
     for (const Json& member : made["family"])

@@ -212,7 +212,8 @@ TEST_F(Periodic, OfStronglyAttractingCyclesTheProductTells) {
   for (const auto& [epsilon, truth] : known) {
     const Json made = orbit({{"problem", {{"id", "van_der_pol"}, {"epsilon", epsilon}}},
                              {"period", epsilon == 3 ? 8.8 : 11.6},
-                             {"manifolds", {{"count", 2}, {"until", 1}}}});
+                             {"manifolds", {{"count", 2}, {"until", 1}}},
+                             {"limits", {{"seconds", 60}}}});  // under a sanitizer, too
     const Json& last = made["multipliers"][1];
     EXPECT_NEAR(last["re"].get<double>() / truth, 1, 1e-5) << made["multipliers"];
     EXPECT_EQ(last["kind"], "hyperbolic");

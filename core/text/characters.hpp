@@ -18,4 +18,14 @@ constexpr std::size_t end_of_word(std::string_view text, std::size_t from, std::
   return from;
 }
 
+/// speaks_of tells whether a text contains this name, as a whole word.
+constexpr bool speaks_of(std::string_view text, std::string_view name) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = is_letter(text[at]) ? end_of_word(text, at, text.size()) : at + 1;
+    if (text.substr(at, end - at) == name) return true;
+    at = end;
+  }
+  return false;
+}
+
 }  // namespace least::text

@@ -216,14 +216,7 @@ class SceneWriter {
     }
   }
   bool is_spoken_of(const std::string& name) const {
-    const auto speaks = [&](std::string_view text) {
-      for (std::size_t at = 0; at < text.size();) {
-        const std::size_t end = is_letter(text[at]) ? end_of_word(text, at, text.size()) : at + 1;
-        if (text.substr(at, end - at) == name) return true;
-        at = end;
-      }
-      return false;
-    };
+    const auto speaks = [&](std::string_view text) { return speaks_of(text, name); };
     const auto any = [&](const Definition::Named& named) {
       return std::ranges::any_of(named, speaks, &Definition::Named::value_type::second);
     };

@@ -1,11 +1,11 @@
 #include "server/decode/further_faults.hpp"
 
-#include <cctype>
 #include <iterator>
 #include <utility>
 #include <variant>
 
 #include "core/catalogue/custom.hpp"
+#include "core/text/characters.hpp"
 #include "core/text/text_reader.hpp"
 
 namespace least::server {
@@ -52,16 +52,6 @@ bool replace(text::TypedScene& typed, const DefinitionFault& fault) {
   return true;
 }
 
-/// Whether a text has this name in it.
-bool names(std::string_view text, std::string_view name) {
-  const auto is_part = [](char c) { return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0; };
-  for (std::size_t at = text.find(name); at != text.npos; at = text.find(name, at + 1)) {
-    const std::size_t end = at + name.size();
-    if ((at == 0 || !is_part(text[at - 1])) && (end == text.size() || !is_part(text[end]))) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 std::string simplest_formula(const Definition& scene, std::string_view text) {
@@ -77,7 +67,7 @@ std::string simplest_formula(const Definition& scene, std::string_view text) {
     formula +=
         many ? "sum(i=1.." + variable.substr(bracket + 1, variable.size() - bracket - 2) + ", " + square + ")" : square;
   }
-  return names(text, "s") ? formula + (lagrangian ? " - s" : " + s") : formula;
+  return text::speaks_of(text, "s") ? formula + (lagrangian ? " - s" : " + s") : formula;
 }
 
 FurtherFaults further_faults(text::TypedScene typed, std::vector<DefinitionFault> first) {

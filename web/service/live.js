@@ -32,18 +32,18 @@ export class Live {
   }
 
   async #fly() {
-    while (this.#next !== null) {
-      const question = this.#next, mine = (this.#flight = new AbortController());
-      this.#next = null;
-      try {
-        const answer = await this.#answer(question, mine.signal);
-        if (mine !== this.#flight) return;
-        this.#show(answer, question);
-      } catch (error) {
-        if (!mine.signal.aborted) throw error;
-        return;
+    const question = this.#next, mine = (this.#flight = new AbortController());
+    this.#next = null;
+    try {
+      const answer = await this.#answer(question, mine.signal);
+      if (mine === this.#flight) this.#show(answer, question);
+    } catch (error) {
+      if (!mine.signal.aborted) throw error;
+    } finally { // also after an error: the next question is asked
+      if (mine === this.#flight) {
+        this.#flight = null;
+        if (this.waiting) this.#fly();
       }
     }
-    this.#flight = null;
   }
 }

@@ -112,7 +112,7 @@ export class Sweep extends Study {
   #run(place) {
     const { vary, from, to, count: n } = this.#asked, step = n > 1 ? (to - from) / (n - 1) : 0;
     const member = step ? Math.min(n - 1, Math.max(0, Math.round((place - from) / step))) : 0;
-    this.#picked({ [vary]: Number((from + member * step).toPrecision(12)) }, "problem");
+    this.#picked({ [vary]: rounded(from + member * step, 12) }, "problem");
   }
 }
 

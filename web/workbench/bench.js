@@ -3,6 +3,7 @@
 import { text } from "../language/texts.js";
 import { toHash } from "../service/link.js";
 import { custom, definitionOf, kept, linked, unlinked } from "../service/text.js";
+import { rounded } from "../service/work.js";
 import { choose } from "../forms/forms.js";
 import { examplesOf } from "../catalogue/examples.js";
 import { drawnOf, kindsOf, startsOf } from "../catalogue/kinds.js";
@@ -210,7 +211,7 @@ export class Bench {
 
   #showPlanes() {
     const grab = (at, done) => { // the start is dragged in a picture
-      this.#scene.begin(Object.fromEntries(Object.entries(at).map(([name, value]) => [name, Number(value.toPrecision(4))])));
+      this.#scene.begin(Object.fromEntries(Object.entries(at).map(([name, value]) => [name, rounded(value, 4)])));
       if (done) this.request();
       else this.#follow();
     };

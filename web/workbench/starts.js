@@ -3,12 +3,11 @@
 import { text, typed as read } from "../language/texts.js";
 import { simulate } from "../service/api.js";
 import { Live } from "../service/live.js";
+import { rounded } from "../service/work.js";
 import { element } from "../forms/forms.js";
 
 const find = (selector) => document.querySelector(selector);
 const most = 40, atOnce = 2; // starts; requests under way
-
-const rounded = (value) => Number(value.toPrecision(4));
 
 export class Starts {
   #axes = null; // the variables on the axes, null where a picture takes no starts
@@ -54,7 +53,7 @@ export class Starts {
   }
 
   add([x, y]) {
-    if (this.#axes && this.#shown.length < most) this.#set([...this.#shown, [rounded(x), rounded(y)]]);
+    if (this.#axes && this.#shown.length < most) this.#set([...this.#shown, [rounded(x, 4), rounded(y, 4)]]);
   }
 
   /** Removes the newest start: a double click sets none. */
@@ -63,7 +62,7 @@ export class Starts {
   }
 
   move(i, [x, y], done) {
-    this.#list[i] = [rounded(x), rounded(y)];
+    this.#list[i] = [rounded(x, 4), rounded(y, 4)];
     if (done) this.#spell();
     this.#changed(done);
   }

@@ -31,10 +31,11 @@ void check(int result) {
   if (result < 0) throw std::system_error(errno, std::generic_category());
 }
 
-void add_to(int epoll, int descriptor, std::uint32_t events, std::uint64_t id) {
+// add_to returns a negative number, with errno set, where the system has no room for one more descriptor.
+int add_to(int epoll, int descriptor, std::uint32_t events, std::uint64_t id) {
   epoll_event event{events, {}};
   event.data.u64 = id;
-  check(::epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event));
+  return ::epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event);
 }
 
 // contained runs act(), and logs an exception as far as memory allows. False: there was an exception.
@@ -83,7 +84,7 @@ EventLoop::EventLoop(std::size_t most, const ConnectionBounds& bounds, Lifecycle
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   check(epoll_);
   check(wake_);
-  add_to(epoll_, wake_, EPOLLIN | EPOLLET, called);
+  check(add_to(epoll_, wake_, EPOLLIN | EPOLLET, called));
 }
 
 EventLoop::~EventLoop() {
@@ -106,14 +107,13 @@ std::optional<std::string> EventLoop::listen(const std::string& host, int port, 
   for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
     listener = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     const int yes = 1;
-    ::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (listener >= 0 && ::bind(listener, address->ai_addr, address->ai_addrlen) == 0 &&
-        ::listen(listener, SOMAXCONN) == 0) {
+    if (listener >= 0 && ::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
+        ::bind(listener, address->ai_addr, address->ai_addrlen) == 0 && ::listen(listener, SOMAXCONN) == 0 &&
+        add_to(epoll_, listener, EPOLLIN, for_metrics ? 1 : 0) == 0) {
       its_port = port_of(listener);
-      add_to(epoll_, listener, EPOLLIN, for_metrics ? 1 : 0);
       return std::nullopt;
     }
-    error = errno;
+    error = errno;  // of the first call that failed
     if (listener >= 0) ::close(std::exchange(listener, -1));
   }
   return std::strerror(error);
@@ -239,7 +239,7 @@ void EventLoop::add(int socket, const sockaddr_storage& address, bool for_metric
     Peer peer{text_of(address), for_metrics, nullptr};
     peer.account = std::make_shared<Account>(peer.address);
     connections_.try_emplace(id, socket, std::move(peer), bounds_, lifecycle_, handler_, [this, id] { call(id); });
-    add_to(epoll_, socket, EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET, id);
+    check(add_to(epoll_, socket, EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET, id));
   });
   if (!good && connections_.erase(id) == 0) ::close(socket);
 }

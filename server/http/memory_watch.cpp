@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <new>
 
 namespace least::server {
 namespace {
@@ -25,9 +26,7 @@ void MemoryWatch::look(MemoryBudget* memory) {
   if (resident_) count_uncounted(*memory);
   const std::size_t held = memory->held(), worth_it = std::min(16 * mebibyte, memory->most() / 8);
   most_ = std::max(most_, held);
-  if (most_ - held < worth_it || at_work_) return;
-  most_ = held;
-  trim();
+  if (most_ - held >= worth_it && trim()) most_ = held;
 }
 
 // A request is charged for memory before it writes to it; until then this estimate is too low, and a later look
@@ -64,13 +63,19 @@ void MemoryWatch::learn_what_is_idle(std::size_t resident) {
   if (quiet_looks_ == second) idle_ = resident;
 }
 
-void MemoryWatch::trim() {
-  if (at_work_.exchange(true)) return;
-  looks_since_trim_ = 0;
-  workers_.post(Effort::brief, [this] {
-    ::malloc_trim(0);
+bool MemoryWatch::trim() {
+  if (at_work_.exchange(true)) return false;
+  try {
+    workers_.post(Effort::brief, [this] {
+      ::malloc_trim(0);
+      at_work_ = false;
+    });
+  } catch (const std::bad_alloc&) {
     at_work_ = false;
-  });
+    return false;
+  }
+  looks_since_trim_ = 0;
+  return true;
 }
 
 }  // namespace least::server

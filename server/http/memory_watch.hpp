@@ -34,7 +34,9 @@ class MemoryWatch {
  private:
   void count_uncounted(MemoryBudget& memory);
   void learn_what_is_idle(std::size_t resident);
-  void trim();
+  /// trim lets a worker give the system what heaps do not use. False: one does so already, or there is no memory for
+  /// the task; a later look tries again.
+  bool trim();
 
   Workers& workers_;
   const std::function<std::size_t()> resident_;

@@ -10,10 +10,12 @@
 #include <vector>
 
 #include "server/http/metrics.hpp"
+#include "tests/server/http/scarce_memory.hpp"
 
-namespace {
-thread_local int allocations_left = -1;  // allocations that succeed on this thread; -1: all
+namespace least::server::test {
+thread_local int allocations_left = -1;
 }
+using least::server::test::allocations_left;
 
 void* operator new(std::size_t size) {
   if (allocations_left == 0) throw std::bad_alloc();

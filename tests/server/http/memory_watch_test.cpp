@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <new>
 #include <vector>
 
 #include "server/http/workers.hpp"
+#include "tests/server/http/scarce_memory.hpp"
 
 namespace least::server::test {
 namespace {
@@ -70,6 +72,41 @@ TEST_F(MemoryWatchTest, LearnsWhatTheServiceKeeps) {
   EXPECT_EQ(looks_of_a_request(), kept - tolerated - mebibyte) << "what heaps hold is not known from what is kept";
   for (int i = 0; i < 30; ++i) watch_.look(&memory_);
   EXPECT_EQ(looks_of_a_request(), 0);
+}
+
+// Heaps are trimmed by a worker. Where there is no memory to give it that task, a later look does so.
+TEST(MemoryWatch, TrimsHeapsOnceThereIsMemoryForTheTask) {
+  MemoryBudget memory(100 * mebibyte);
+  Workers idle;  // so that its queue holds all tasks
+  MemoryWatch watch(idle);
+  // has_room_for_tasks() fills the room that the queue has without more memory, and tells whether there was any.
+  const auto has_room_for_tasks = [&] {
+    int posted = 0;
+    allocations_left = 0;
+    try {
+      for (;; ++posted) idle.post(Effort::brief, [] {});
+    } catch (const std::bad_alloc&) {
+    }
+    allocations_left = -1;
+    return posted > 0;
+  };
+  Held request(&memory);
+  request.add(20 * mebibyte);
+  watch.look(&memory);
+  request.shrink_to(0);
+  has_room_for_tasks();
+  bool failed = false;
+  allocations_left = 0;
+  try {
+    watch.look(&memory);
+  } catch (const std::bad_alloc&) {
+    failed = true;
+  }
+  allocations_left = -1;
+  EXPECT_FALSE(failed);
+  EXPECT_FALSE(has_room_for_tasks());
+  watch.look(&memory);
+  EXPECT_TRUE(has_room_for_tasks()) << "the queue took memory for the task";
 }
 
 TEST_F(MemoryWatchTest, SeesWhatIsInMemory) {

@@ -44,13 +44,10 @@ Received RequestReader::next() {
   if (part_ == Part::head) {
     if (auto refused = read_head()) return std::move(*refused);
   }
-  if (part_ == Part::body) {
-    if (auto refusal = framing_.chunked ? read_chunks() : read_body()) {
+  if (part_ == Part::body || part_ == Part::trailer) {
+    if (auto refusal = framing_.chunked ? read_chunked() : read_body()) {
       return Refused{std::move(*refusal), message_.head.method};
     }
-  }
-  if (part_ == Part::trailer) {
-    if (auto refusal = read_trailer()) return Refused{std::move(*refusal), message_.head.method};
   }
   if (part_ != Part::whole) return {};
   if (buffer_.empty() && buffer_.capacity() > small) std::string().swap(buffer_);
@@ -121,13 +118,24 @@ std::optional<Refusal> RequestReader::read_body() {
   return std::nullopt;
 }
 
-std::optional<Refusal> RequestReader::read_chunks() {
+// What has been parsed is removed from the buffer once, not after each chunk: otherwise a client could make every byte
+// of a body move the whole buffer.
+std::optional<Refusal> RequestReader::read_chunked() {
+  std::size_t at = 0;
+  auto refusal = part_ == Part::body ? read_chunks(at) : std::nullopt;
+  if (!refusal && part_ == Part::trailer) refusal = read_trailer(at);
+  buffer_.erase(0, at);
+  return refusal;
+}
+
+std::optional<Refusal> RequestReader::read_chunks(std::size_t& at) {
   std::string& body = message_.body;
   for (;;) {
     if (!chunk_) {  // a size, and perhaps an extension, which is ignored
-      const auto line = read_line(longest_size_line);
+      const auto line = read_line(at, longest_size_line);
       if (!line)
-        return buffer_.size() > longest_size_line + part_of_line ? std::optional(malformed_chunks()) : std::nullopt;
+        return buffer_.size() - at > longest_size_line + part_of_line ? std::optional(malformed_chunks())
+                                                                      : std::nullopt;
       // Another reader may take a bare line feed for the end of the line
       if (!is_field_value(*line)) return malformed_chunks();
       std::uint32_t size = 0;
@@ -146,20 +154,20 @@ std::optional<Refusal> RequestReader::read_chunks() {
       }
       chunk_ = size;
     }
-    if (buffer_.size() < *chunk_ + 2) return std::nullopt;
-    if (buffer_.compare(*chunk_, 2, "\r\n") != 0) return malformed_chunks();
-    body.append(buffer_, 0, *chunk_);
-    buffer_.erase(0, *chunk_ + 2);
+    if (buffer_.size() - at < *chunk_ + 2) return std::nullopt;
+    if (buffer_.compare(at + *chunk_, 2, "\r\n") != 0) return malformed_chunks();
+    body.append(buffer_, at, *chunk_);
+    at += *chunk_ + 2;
     chunk_.reset();
   }
 }
 
 // The fields of a trailer are read and ignored.
-std::optional<Refusal> RequestReader::read_trailer() {
+std::optional<Refusal> RequestReader::read_trailer(std::size_t& at) {
   while (trailer_ <= bounds_.head.bytes) {
-    const auto line = read_line(bounds_.head.bytes);
+    const auto line = read_line(at, bounds_.head.bytes);
     if (!line)
-      return buffer_.size() > bounds_.head.bytes + part_of_line ? std::optional(malformed_chunks()) : std::nullopt;
+      return buffer_.size() - at > bounds_.head.bytes + part_of_line ? std::optional(malformed_chunks()) : std::nullopt;
     if (line->empty()) {
       part_ = Part::whole;
       return std::nullopt;
@@ -170,13 +178,12 @@ std::optional<Refusal> RequestReader::read_trailer() {
   return Refusal{431, "the trailer is too large"};
 }
 
-// read_line returns a line without its CRLF; nothing while it is incomplete, or if it is too long.
-std::optional<std::string> RequestReader::read_line(std::size_t longest) {
-  const std::size_t end = buffer_.find("\r\n");
-  if (end == std::string::npos || end > longest) return std::nullopt;
-  std::string line = buffer_.substr(0, end);
-  buffer_.erase(0, end + 2);
-  return line;
+std::optional<std::string_view> RequestReader::read_line(std::size_t& at, std::size_t longest) const {
+  const std::string_view rest = std::string_view(buffer_).substr(at);
+  const std::size_t end = rest.find("\r\n");
+  if (end == rest.npos || end > longest) return std::nullopt;
+  at += end + 2;
+  return rest.substr(0, end);
 }
 
 }  // namespace least::server

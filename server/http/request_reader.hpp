@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "server/http/request_head.hpp"
@@ -72,9 +73,13 @@ class RequestReader {
   Received next();
   std::optional<Refused> read_head();
   std::optional<Refusal> read_body();
-  std::optional<Refusal> read_chunks();
-  std::optional<Refusal> read_trailer();
-  std::optional<std::string> read_line(std::size_t longest);
+  std::optional<Refusal> read_chunked();
+  // `at` is the number of bytes of the buffer that have been parsed, here and below.
+  std::optional<Refusal> read_chunks(std::size_t& at);
+  std::optional<Refusal> read_trailer(std::size_t& at);
+  // Returns a line without its CRLF, which stays valid while the buffer is not changed; nothing while it is incomplete,
+  // or if it is too long.
+  std::optional<std::string_view> read_line(std::size_t& at, std::size_t longest) const;
 
   const RequestBounds& bounds_;
   MemoryBudget* const memory_;

@@ -117,18 +117,17 @@ int serve(const Options& options) {
   warn_of(options);
   tell_of_start(service, options);
   print(fmt::format("listening on {}\n", service.url()), 0);
-  const timespec second{1, 0}, glance{0, 20'000'000};
-  int signal = -1;
-  while (signal < 0 && service.running()) signal = sigtimedwait(&ends, nullptr, &second);
-  const bool asked = signal > 0;
-  LogLine(spdlog::level::info, "ending").with("why", asked ? "signal" : "the listening socket failed");
+  while (sigwaitinfo(&ends, nullptr) < 0) {  // a debugger may interrupt it
+  }
+  LogLine(spdlog::level::info, "ending").with("why", "signal");
   {
+    const timespec glance{0, 20'000'000};
     const std::jthread end([&] { service.stop(); });
     // A second signal: its sender does not want to wait for the drain time.
     while (service.running())
       if (sigtimedwait(&ends, nullptr, &glance) > 0) service.hurry();
   }
-  return asked ? 0 : 1;
+  return 0;
 }
 
 // opened returns an open file. A named pipe is waited for until somebody writes to it, for a limited time. Null: it
@@ -220,7 +219,7 @@ int run(const Options& options) {
 int ensemble(const Options& options) {
   const unsigned cores = std::max(std::thread::hardware_concurrency(), 1U);
   const unsigned threads = options.settings.threads > 0 ? options.settings.threads : cores;
-  const bool part = !options.output.empty() || options.shard != Options{}.shard;
+  const bool part = !options.output.empty() || options.shard != whole_ensemble;
   const auto answer = [&](const Context& context, const HttpRequest& request) {
     return part ? write_part(context, request, options.shard, options.output, threads)
                 : answer_now(run_ensemble_request, context, request);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "server/service.hpp"
 #include "server/shared/log.hpp"
@@ -11,11 +12,14 @@ namespace least::server {
 
 enum class Command { serve, run, ensemble, merge, catalogue, health };
 
+/// The shard of an ensemble that is all of it.
+inline constexpr std::string_view whole_ensemble = "0/1";
+
 struct Options {
   Command command = Command::serve;
   Settings settings;
-  std::string file;                ///< of `run` and `ensemble`; `-` is standard input
-  std::string shard = "0/1";       ///< of `ensemble`: which blocks, as index/count
+  std::string file;                   ///< of `run` and `ensemble`; `-` is standard input
+  std::string shard{whole_ensemble};  ///< of `ensemble`: which blocks, as index/count
   std::string output;              ///< of `ensemble`: the part file to write; empty: the answer goes to standard output
   std::vector<std::string> parts;  ///< of `merge`
   std::string log_level = "info";

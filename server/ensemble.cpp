@@ -1,5 +1,7 @@
 #include "server/ensemble.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -12,6 +14,7 @@
 #include "server/encode/ensemble_json.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/http/cancellation.hpp"
+#include "server/http/request_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -171,8 +174,8 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
                               [&plan](Computed& sums, Block& block) { return keep(plan, sums, block); });
   if (computed.end.reason == ReturnCode::memory && is_empty(computed.all))
     return busy(context, request,
-                "no block of members has room in the memory that all requests share: ask again later, or for a lower "
-                "limits.samples");
+                fmt::format("no block of members has room: {}; a lower limits.samples needs less",
+                            full_memory(context.memory)));
   places->leave();
   const Harvest& all = computed.all;
   const std::size_t numbers =

@@ -196,7 +196,7 @@ int answer_file(const Options& options, std::string_view id, unsigned threads, C
   }
   const std::atomic<bool> cancelled{false};
   Admission admission(threads, 0);
-  MemoryBudget memory(options.settings.max_memory);
+  MemoryBudget memory(memory_for(options.settings));
   const HeldByThread held(&memory);
   const Context context{catalogue_cards(), options.settings.caps, admission, cancelled, memory};
   const HttpRequest request{*body, "", id};

@@ -78,7 +78,13 @@ const CLI::Validator origin(
 const CLI::Validator origin_or_none([](std::string& text) { return text == "null" ? std::string() : origin(text); }, "",
                                     "origin");
 
-void add_common(CLI::App& app, Options& options) {
+void add_log_level(CLI::App& app, Options& options) {
+  add(app, "--log-level", options.log_level, "what is logged on standard error")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
+}
+
+// add_limits adds the limits of what requests may ask for; `held` says what counts as memory.
+void add_limits(CLI::App& app, Options& options, const std::string& held) {
   Caps& caps = options.settings.caps;
   add(app, "--max-seconds", caps.seconds, "longest computing time a request may ask for")
       ->check(finite & CLI::Range(1e-3, 1e9));
@@ -89,8 +95,9 @@ void add_common(CLI::App& app, Options& options) {
   add(app, "--max-body", options.settings.bounds.body, "largest request in bytes, also as 64K or 1M")
       ->transform(size)
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30));
-  add(app, "--log-level", options.log_level, "what is logged on standard error")
-      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
+  add(app, "--max-memory", options.settings.max_memory, held + ", also as 100M or 2G, beyond it 503")
+      ->transform(size)
+      ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
 }
 
 void add_serve(CLI::App& app, Options& options) {
@@ -103,10 +110,6 @@ void add_serve(CLI::App& app, Options& options) {
       ->check(CLI::Range(0u, 100'000u));
   add(app, "--connections", settings.connections, "clients connected at once, beyond it those that idle make room")
       ->check(count);
-  add(app, "--max-memory", settings.max_memory,
-      "bytes held for requests and answers and in memory besides, also as 100M or 2G, beyond it 503")
-      ->transform(size)
-      ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
   add(app, "--drain", settings.drain,
       "seconds that the port stays open when the service ends, while /readyz says 503; a second signal ends it")
       ->check(finite & CLI::Range(0.0, 3600.0));
@@ -256,16 +259,16 @@ Result<Options, int> parse_options(int argc, char** argv) {
   for (CLI::App* command : {serve, run, ensemble, merge, catalogue, health})
     command->set_version_flag("--version", title);
   add_serve(*serve, options);
-  add_common(*serve, options);
-  add_common(*run, options);
-  for (CLI::App* command : {run, ensemble})
+  add_limits(*serve, options, "bytes held for requests and answers and in memory besides");
+  for (CLI::App* command : {run, ensemble}) {
     command->add_option("file", options.file, "the request, - is standard input")->required();
-  add_common(*ensemble, options);
+    add_limits(*command, options, "bytes held for the request and its answer");
+  }
+  for (CLI::App* command : {serve, run, ensemble, merge}) add_log_level(*command, options);
   add(*ensemble, "--threads", options.settings.threads, "threads that compute, 0 is one per core")
       ->check(CLI::Range(0u, 4096u));
   add(*ensemble, "--shard", options.shard, "I/N: the blocks whose number leaves I when divided by N");
   add(*ensemble, "--output", options.output, "the part to write; needed where there are several shards");
-  add_common(*merge, options);
   merge->add_option("parts", options.parts, "parts, in any order")->required();
   add(*health, "--host", options.settings.host, "address of the service");
   add(*health, "--port", options.settings.port, "its port")->check(CLI::Range(0, 65535));

@@ -32,12 +32,6 @@ constexpr ComputedRoute computed_routes[] = {{"/v1/simulate", simulate},
                                              {"/v1/periodic", close_orbit_request},
                                              {"/v1/problems", describe_scene}};
 
-// largest_answer: the first block doubles as it grows, so that its memory exceeds its numbers a little; and a part is
-// on its way as text.
-std::size_t largest_answer(const Caps& caps) {
-  return (static_cast<std::size_t>(caps.samples) + (1 << 17)) * sizeof(double) + most_of_a_stream;
-}
-
 void add_texts(Router& router, const Cards& cards, const Caps& caps) {
   constexpr std::string_view json = "application/json";
   CatalogueText text = describe(cards);
@@ -97,8 +91,16 @@ std::string hint(const Cards& cards, int status, std::string_view path) {
 
 }  // namespace
 
+// The first block of an answer doubles as it grows, so that its memory exceeds its numbers a little; and a part is on
+// its way as text.
+std::size_t memory_for(const Settings& settings) {
+  const std::size_t largest_answer =
+      (static_cast<std::size_t>(settings.caps.samples) + (1 << 17)) * sizeof(double) + most_of_a_stream;
+  return std::max(settings.max_memory, largest_answer);
+}
+
 Service::Service(const Settings& settings, std::span<const Asset> assets)
-    : memory_(std::max(settings.max_memory, largest_answer(settings.caps))),
+    : memory_(memory_for(settings)),
       http_(settings, problem_document, &memory_),
       context_{catalogue_cards(), settings.caps, http_.admission(), http_.cancelled(), memory_} {
   Router& router = http_.router();

@@ -12,9 +12,12 @@ namespace least::server {
 
 struct Settings : HttpSettings {
   Caps caps;
-  /// Limit of bytes for requests and answers; the largest possible answer must fit
-  std::size_t max_memory = std::size_t{1} << 30;
+  std::size_t max_memory = std::size_t{1} << 30;  ///< for requests and answers, see memory_for
 };
+
+/// memory_for returns the bytes that requests and answers may hold: those of the settings, and in any case enough for
+/// the largest answer.
+std::size_t memory_for(const Settings& settings);
 
 /// Service owns the HTTP server with all endpoints, and the memory budget of its requests.
 class Service {

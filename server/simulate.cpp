@@ -17,6 +17,7 @@
 #include "server/encode/problem_document.hpp"
 #include "server/encode/run_answer.hpp"
 #include "server/http/cancellation.hpp"
+#include "server/http/request_reader.hpp"
 
 namespace least::server {
 namespace {
@@ -127,7 +128,7 @@ Answer answer_whole(const SharedTask& task, const HttpRequest& question, const F
     const CancellationWatch watch(task->context().cancelled, question.gone);
     ended = task->run(*rows, watch.cancelled());
   }
-  if (rows->overflowed()) return busy(task->context(), question, "answers that others read fill the memory");
+  if (rows->overflowed()) return busy(task->context(), question, full_memory(task->context().memory));
   const FinishedRun run = finished(*task, ended, *rows);
   Answer answer;
   const auto numbers = [](const KeptRows& kept) { return kept.rows() * kept.columns(); };

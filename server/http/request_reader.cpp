@@ -18,8 +18,7 @@ Refusal malformed_chunks() { return {400, "malformed chunked coding"}; }
 }  // namespace
 
 std::string full_memory(const MemoryBudget& memory) {
-  return "requests and answers of all clients fill the memory for them, " + std::to_string(memory.most()) +
-         " bytes (--max-memory)";
+  return "requests and answers fill the memory for them, " + std::to_string(memory.most()) + " bytes (--max-memory)";
 }
 
 Received RequestReader::read() {

@@ -36,7 +36,7 @@ struct Refused {
 /// Received is a request or a refusal; monostate: more bytes are needed.
 using Received = std::variant<std::monostate, Message, Refused>;
 
-/// full_memory returns the message for requests when memory is full.
+/// full_memory returns the message for requests when memory is full, of one request alone or of all clients.
 std::string full_memory(const MemoryBudget& memory);
 
 /// RequestReader parses the stream of one connection.

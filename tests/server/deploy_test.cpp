@@ -1,6 +1,7 @@
 // server/deploy: each file is valid for its reader, and names existing options and metrics.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,8 +12,10 @@
 #include <vector>
 
 #include "tests/server/client.hpp"
+#include "tests/server/ensembles.hpp"
 #include "tests/server/fixture.hpp"
 #include "tests/server/process.hpp"
+#include "tests/server/temporary_folder.hpp"
 
 namespace least::server::test {
 namespace {
@@ -48,17 +51,19 @@ TEST(Deploy, FilesAreWhatTheirReadersTake) {
   std::filesystem::remove(unit);
 }
 
-TEST(Deploy, TheManifestsStartAService) {
+// arguments_of() returns the arguments that the manifests give to a command.
+std::vector<std::string> arguments_of(const std::string& command) {
   const std::string text = text_of("kubernetes.yaml");
-  const auto from = text.find("args: [serve, ") + 7;
+  const auto from = text.find("args: [" + command + ", ") + 7;
   const std::string list = text.substr(from, text.find(']', from) - from);
   const std::regex word("[^,\\s\"]+");
-  std::vector<std::string> arguments;
-  for (std::sregex_iterator it(list.begin(), list.end(), word), end; it != end; ++it) {
-    const bool is_port = !arguments.empty() && arguments.back() == "--metrics-port";
-    arguments.push_back(is_port ? "0" : it->str());
-  }
+  return {std::sregex_token_iterator(list.begin(), list.end(), word), {}};
+}
+
+TEST(Deploy, TheManifestsStartAService) {
+  std::vector<std::string> arguments = arguments_of("serve");
   ASSERT_GT(arguments.size(), 8U);
+  *(std::ranges::find(arguments, "--metrics-port") + 1) = "0";
   for (const char* more : {"--port", "0", "--drain=0"}) arguments.emplace_back(more);
   std::erase(arguments, "--drain");
   std::erase(arguments, "5");
@@ -69,6 +74,23 @@ TEST(Deploy, TheManifestsStartAService) {
       << "as the Service is called";
   serve.signal(SIGTERM);
   EXPECT_EQ(serve.wait(), 0);
+}
+
+// A shard has a limit of its memory that leaves the program half of what its container has.
+TEST(Deploy, TheManifestsComputeAShard) {
+  const TemporaryFolder parts;
+  std::ofstream(parts.path("study.json")) << orbits;
+  std::vector<std::string> arguments = arguments_of("ensemble");
+  ASSERT_GT(arguments.size(), 8U);
+  for (std::string& argument : arguments) {
+    argument = std::regex_replace(argument, std::regex("\\$\\(JOB_COMPLETION_INDEX\\)"), "0");
+    argument = std::regex_replace(argument, std::regex("^/(study|parts)/"), parts.path(""));
+  }
+  EXPECT_EQ(*(std::ranges::find(arguments, "--max-memory") + 1), "512M");
+  Process shard(arguments);
+  EXPECT_EQ(shard.output(), parts.path("part.0") + ": 1 blocks\n");
+  EXPECT_EQ(shard.errors(), "");
+  EXPECT_EQ(shard.wait(), 0);
 }
 
 // Variables in the unit and options in the comments are those of the program.

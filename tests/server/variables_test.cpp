@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
@@ -62,6 +63,37 @@ TEST(Sizes, TakeUnits) {
   Process narrow({"run", "-", "--max-body", "1K"}, std::string(1025, ' '));
   EXPECT_EQ(Json::parse(narrow.output())["status"], 413);
   EXPECT_EQ(narrow.wait(), 2);
+}
+
+TEST(Sizes, RunHoldsNoMoreMemoryThanItMay) {
+  std::string numbers = "0";
+  for (int i = 0; i < 200'000; ++i) numbers += ",0";
+  const std::string request = R"({"problem":"kepler","scheme":"leapfrog","numbers":[)" + numbers + "]}";
+  for (const char* command : {"run", "ensemble"}) {
+    const std::vector<std::string> narrow{command, "-", "--max-samples", "2"};
+    Process refused(narrow, request, {"LEASTACTION_MAX_MEMORY=1M"});
+    const Json document = Json::parse(refused.output());
+    EXPECT_EQ(document["status"], 503) << document;
+    EXPECT_NE(document["detail"].get<std::string>().find("(--max-memory)"), std::string::npos) << document;
+    EXPECT_EQ(refused.errors(), "");
+    EXPECT_NE(refused.wait(), 0);
+    Process wide(narrow, request);
+    EXPECT_EQ(Json::parse(wide.output())["errors"][0]["pointer"], "/numbers") << "which is read, and has no meaning";
+    EXPECT_EQ(wide.wait(), 2);
+  }
+  // The largest answer has room in any case.
+  Process large({"run", "-", "--max-memory", "1M"},
+                R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":50000},"record":{"every":1}})");
+  EXPECT_EQ(Json::parse(large.output())["trajectory"]["x"].size(), 50'001U);
+  EXPECT_EQ(large.wait(), 0);
+}
+
+TEST(Variables, MergeHasNoLimitsOfRequests) {
+  for (const char* option : {"--max-seconds", "--max-steps", "--max-samples", "--max-body", "--max-memory"}) {
+    Process merge({"merge", option, "5", "part"});
+    EXPECT_NE(merge.errors().find(option), std::string::npos) << option;
+    EXPECT_EQ(merge.wait(), 1) << option;
+  }
 }
 
 TEST(Log, TheFirstLineSaysWhatRuns) {

@@ -14,6 +14,7 @@
 #include "core/text/expansion.hpp"
 #include "core/text/scene.hpp"
 #include "server/decode/scene_files.hpp"
+#include "server/decode/section_reader.hpp"
 #include "server/shared/beside_acts.hpp"
 
 namespace least::server {
@@ -71,9 +72,10 @@ template void read_expression(const Json&, const FieldPath&, std::string, Member
 
 namespace {
 
-// Names that the finals and the section of an ensemble's answer have besides columns.
-constexpr std::string_view beside_columns[] = {"index", "member",     "crossing", "period",
-                                               "phase", "expression", "direction"};
+// stands_beside_columns tells whether the finals or the section of an ensemble's answer have a list of this name.
+bool stands_beside_columns(std::string_view name) {
+  return name == "index" || std::ranges::find(names_of_a_section, name) != std::end(names_of_a_section);
+}
 
 // all_of_a_kind returns, for `x[*]`, the columns of all elements of x.
 std::vector<std::size_t> all_of_a_kind(const Json& json, const Names& known) {
@@ -97,7 +99,7 @@ void read_own_column(const Json& json, const FieldPath& path, const Names& known
     path.at("name").fault("is the name of a column of the scene", json["name"]);
   if (std::ranges::find(own_names, word) != own_names.end())
     path.at("name").fault("the column stands twice", json["name"]);
-  if (std::is_same_v<Reader, MemberReader> && std::ranges::find(beside_columns, word) != std::end(beside_columns))
+  if (std::is_same_v<Reader, MemberReader> && stands_beside_columns(word))
     path.at("name").fault("is what the answer calls something else", json["name"]);
   own_names.push_back(word);
   read_expression(json, path, std::move(*name), reader);

@@ -18,6 +18,9 @@ namespace least::server {
 /// Larger integers may not be exact as doubles.
 inline constexpr std::int64_t greatest_count = 9'007'199'254'740'992;  // 2⁵³
 
+/// Every finite number above 0.
+inline constexpr Range positive{0, anywhere.high, true, true};
+
 /// FieldPath is the place of a value in the request, as a JSON pointer, and the list that collects its faults.
 struct FieldPath {
   std::string pointer;

@@ -97,7 +97,7 @@ bool read_numbers(const Json& json, const FieldPath& path, const Range& range, V
       return false;
     case Spread::normal:
     case Spread::logistic:
-      if (!read_number(json[1], path.at(1), {0, anywhere.high, true, true})) return false;
+      if (!read_number(json[1], path.at(1), positive)) return false;
       if (!std::isfinite(range.low) && !std::isfinite(range.high)) return true;
       path.fault("reaches any number, and here only " + interval(range) + " is allowed: take uniform, grid or values",
                  json, interval(range));

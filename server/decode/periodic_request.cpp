@@ -15,7 +15,6 @@ using periodic::Question;
 
 constexpr std::string_view shape_of_family =
     "{\"by\": \"/problem/mu\", \"/initial/x\", \"period\" or \"energy\", \"to\": 0.3, \"count\": 50}";
-constexpr Range positive{0, std::numeric_limits<double>::infinity(), true, true};
 
 // Way is what a family may vary, as a request names it, with the range of its values.
 struct Way {

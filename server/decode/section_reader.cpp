@@ -10,14 +10,11 @@
 namespace least::server {
 namespace {
 
-// Names that a section of an answer has besides columns.
-constexpr std::string_view beside_points[] = {"member", "crossing", "period", "phase", "expression", "direction"};
-
 // read_period reads the period, and the phase, a time of the request that is converted to the run's forward time.
 void read_period(const Json& json, const FieldPath& path, const SchemeCard* scheme, Request& request,
                  Section& section) {
   if (find(json, "direction")) path.at("direction").fault("goes with expression", json["direction"]);
-  section.period = read_number(json["period"], path.at("period"), {0, anywhere.high, true, true}).value_or(1);
+  section.period = read_number(json["period"], path.at("period"), positive).value_or(1);
   if (const Json* phase = find(json, "phase")) {
     const double told = read_number(*phase, path.at("phase"), anywhere).value_or(0);
     section.phase = goes_backward(*request.scene) ? 0 - told : told;
@@ -42,12 +39,12 @@ void read_section(const Json& root, const FieldPath& top, const SchemeCard* sche
   const FieldPath path = top.at("section");
   if (json == nullptr) return;
   Section section;
-  Names keys(std::begin(beside_points), std::end(beside_points));
+  Names keys(std::begin(names_of_a_section), std::end(names_of_a_section));
   const std::size_t known = request.scene->card().columns.size() + request.measures.size();
   for (const std::size_t place : request.section_columns()) {
     if (place >= known) continue;  // a column that was refused
     const std::string_view name = request.column(place).name;
-    if (std::ranges::find(beside_points, name) != std::end(beside_points))
+    if (std::ranges::find(names_of_a_section, name) != std::end(names_of_a_section))
       path.lacks(std::string(name) + " is a column here, and what a section of an answer calls something else");
     keys.push_back(name);
   }

@@ -98,7 +98,5 @@ extern const Form csv_form;
 
 /// whole_answer returns an answer with its body in memory.
 Answer whole_answer(const Form& form, const FinishedRun& run);
-inline Answer encode_json(const FinishedRun& run) { return whole_answer(forms()[0], run); }
-inline Answer encode_csv(const FinishedRun& run) { return whole_answer(forms()[1], run); }
 
 }  // namespace least::server

@@ -331,11 +331,6 @@ void Admission::introduce(Account& account, const Client& client, Clock::time_po
   if (count > 0) add(account, all / static_cast<double>(count), now);
 }
 
-void Admission::charge(Account& account, double seconds) const {
-  const std::lock_guard lock(mutex_);
-  add(account, seconds, now_());
-}
-
 void Admission::add(Account& account, double seconds, Clock::time_point now) const {
   account.rank_ = std::log(std::exp(account.rank_ - clock(now)) + seconds) + clock(now);
 }

@@ -100,9 +100,6 @@ class Admission {
   /// needed by another, or the service ends.
   void wait(const AccountPtr& account, std::chrono::milliseconds most, std::function<bool()> gone, Turn turn);
 
-  /// charge adds computing time to an account as of now.
-  void charge(Account& account, double seconds) const;
-
   /// look() ends the waits that are over; to be called regularly.
   void look();
 

@@ -85,9 +85,7 @@ Result<RequestHead, Refusal> parse_request_line(std::string_view line, const Hea
   } else if (target.front() != '/' && !(target == "*" && method == "OPTIONS")) {
     return Refusal{400, "the target must be a path"};
   }
-  const auto mark = std::min(path.find('?'), path.size());
-  head.path += path.substr(0, mark);
-  head.query = path.substr(std::min(mark + 1, path.size()));
+  head.path += path.substr(0, path.find('?'));
   return head;
 }
 

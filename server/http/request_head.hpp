@@ -24,9 +24,9 @@ struct Refusal {
 };
 
 struct RequestHead {
-  std::string method, path, query;
-  std::string authority;  ///< of the target, else of `Host`; empty where there is none
-  int minor = 1;          ///< HTTP/1.minor
+  std::string method, path;  ///< the path of the target without its query, which means nothing here
+  std::string authority;     ///< of the target, else of `Host`; empty where there is none
+  int minor = 1;             ///< HTTP/1.minor
   std::vector<std::pair<std::string, std::string>> fields;  ///< names in lower case
 
   /// field returns the values of a field joined with commas; empty where there is none.

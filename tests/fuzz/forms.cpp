@@ -78,7 +78,7 @@ void forms(std::string_view bytes) {
   outcome.warnings = {{"code", text.get<std::string>()}};
   outcome.diagnostics = {{"energy", std::vector<Report>{{"kind", text.get<std::string>()}}}};
   const FinishedRun run({asked, asked.scene->card(), server::test::cards().schemes[asked.scheme]}, outcome, rows);
-  const Json whole = Json::parse(encode_json(run).body);
+  const Json whole = Json::parse(whole_answer(server::forms()[0], run).body);
   ensure(whole["warnings"][0]["detail"] == text, "another text");
   std::size_t row = 0;
   for (const Json& value : whole["trajectory"]["energy"]) {
@@ -90,7 +90,7 @@ void forms(std::string_view bytes) {
   ensure(row == rows.rows(), "numbers that are missing");
   ensure_same(of_binary(whole_answer(server::forms()[2], run).body), whole, "CBOR says something else");
   ensure_same(of_lines(run, numbers, 3 * (1 + bytes.size() % 4)), whole, "lines say something else");
-  encode_csv(run);
+  whole_answer(server::csv_form, run);
 }
 
 }  // namespace least::fuzz

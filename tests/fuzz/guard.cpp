@@ -49,15 +49,14 @@ bool is_clean(std::string_view text) {
 }
 
 bool is_same(const Message& a, const Message& b) {
-  return a.head.method == b.head.method && a.head.path == b.head.path && a.head.query == b.head.query &&
-         a.head.authority == b.head.authority && a.head.minor == b.head.minor && a.body == b.body &&
-         a.keep_alive == b.keep_alive;
+  return a.head.method == b.head.method && a.head.path == b.head.path && a.head.authority == b.head.authority &&
+         a.head.minor == b.head.minor && a.body == b.body && a.keep_alive == b.keep_alive;
 }
 
 // strictly() writes a message as a proxy would pass it on, without any ambiguity.
 std::string strictly(const Message& message) {
   const RequestHead& head = message.head;
-  std::string text = head.method + ' ' + head.path + (head.query.empty() ? "" : "?" + head.query);
+  std::string text = head.method + ' ' + head.path;
   text += head.minor == 1 ? " HTTP/1.1\r\n" : " HTTP/1.0\r\n";
   for (const auto& [name, value] : head.fields) {
     const bool frames = name == "content-length" || name == "transfer-encoding";
@@ -70,11 +69,11 @@ void check(const Message& message) {
   const RequestHead& head = message.head;
   ensure(message.body.size() <= narrow.body, "a body beyond the bound");
   ensure(head.fields.size() <= narrow.head.fields, "fields beyond the bound");
-  ensure(head.path.size() + head.query.size() <= narrow.head.target, "a target beyond the bound");
+  ensure(head.path.size() <= narrow.head.target, "a target beyond the bound");
   ensure(head.path.starts_with('/') || (head.path == "*" && head.method == "OPTIONS"), "a target that is no path");
   ensure(head.count("host") <= 1 && head.count("content-length") <= 1, "a field that is there twice");
   ensure(head.count("content-length") == 0 || head.count("transfer-encoding") == 0, "two ways to frame a body");
-  ensure(is_clean(head.method) && is_clean(head.path) && is_clean(head.query), "an end of a line in the first one");
+  ensure(is_clean(head.method) && is_clean(head.path), "an end of a line in the first one");
   for (const auto& [name, value] : head.fields) {
     ensure(is_clean(name) && is_clean(value), "an end of a line in a field");
     ensure(name == lowered(name) && value == trimmed(value), "a field that is not as it is looked up");

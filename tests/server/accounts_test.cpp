@@ -53,11 +53,14 @@ std::shared_ptr<Waiting> ask_for_turn(Admission& admission, const AccountPtr& wh
   return waiting;
 }
 
-// after() returns a known account that has computed for so many seconds.
-AccountPtr after(Admission& admission, double seconds) {
+// after() returns an account that has just computed for so long; no run came of it, so that nobody expects others to
+// take as long.
+AccountPtr after(Admission& admission, Time& time, std::chrono::seconds computed) {
   auto who = account();
-  EXPECT_TRUE(admission.enter(who));
-  admission.charge(*who, seconds);
+  auto pass = admission.enter(who);
+  EXPECT_TRUE(pass);
+  pass->excuse();
+  time.pass(computed);
   return who;
 }
 
@@ -74,15 +77,20 @@ void serve_all(std::vector<std::shared_ptr<Waiting>>& all) {
 }
 
 TEST(Accounts, WhoComputedLeastGoesFirstAndEveryOtherTurnIsForWhoWaitedLongest) {
-  Admission admission(1, 100);
-  const auto much = after(admission, 600), some = after(admission, 200), little = after(admission, 10);
+  Time time;
+  Admission admission(1, 100, nullptr, time.clock());
+  const auto little = after(admission, time, 1s), some = after(admission, time, 5s), much = after(admission, time, 20s);
   std::string order;
   auto held = admission.enter("b");
   std::vector<std::shared_ptr<Waiting>> all;
-  all.push_back(ask_for_turn(admission, much, 20s, &order, 'm'));
-  all.push_back(ask_for_turn(admission, some, 20s, &order, 's'));
-  all.push_back(ask_for_turn(admission, little, 20s, &order, 'l'));
-  all.push_back(ask_for_turn(admission, account(), 20s, &order, 'n'));  // nobody knows it: the mean of these, 270
+  const auto next = [&](const AccountPtr& who, char name) {
+    all.push_back(ask_for_turn(admission, who, 20s, &order, name));
+    time.pass(1ms);
+  };
+  next(much, 'm');
+  next(some, 's');
+  next(little, 'l');
+  next(account(), 'n');  // nobody knows it: the mean of these, some 8 s
   held.reset();
   serve_all(all);
   EXPECT_EQ(order, "lmsn") << "the one that computed most came first and does not wait for all others";
@@ -100,8 +108,9 @@ TEST(Accounts, OfEqualsTheFirstGoesFirst) {
 }
 
 TEST(Accounts, AFullQueueMakesRoomForWhoComputedLess) {
-  Admission admission(1, 2);
-  const auto much = after(admission, 300), more = after(admission, 600), little = after(admission, 10);
+  Time time;
+  Admission admission(1, 2, nullptr, time.clock());
+  const auto little = after(admission, time, 1s), much = after(admission, time, 5s), more = after(admission, time, 20s);
   const auto held = admission.enter("b");
   const auto first = ask_for_turn(admission, more, 20s), second = ask_for_turn(admission, much, 20s);
   const auto third = ask_for_turn(admission, little, 20s);

@@ -14,6 +14,9 @@
 namespace least::server {
 namespace {
 
+Answer encode_json(const FinishedRun& run) { return whole_answer(forms()[0], run); }
+Answer encode_csv(const FinishedRun& run) { return whole_answer(csv_form, run); }
+
 // Example is a run as the core would leave it, by the scheme with its own clock: every kind of parameter and of report.
 struct Example {
   Request request;

@@ -13,29 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// A service with one place to compute and none to wait.
-class Abandoned : public testing::Test {
- protected:
-  Settings settings = quiet_settings();
-  std::unique_ptr<Service> service;
-  void start() {
-    settings.threads = 1;
-    settings.queue = 0;
-    service = std::make_unique<Service>(settings, page_assets);
-    ASSERT_FALSE(service->start());
-  }
-  int run() const {
-    return ask(service->port(), post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":9}})"))
-        .status;
-  }
-  // is_free_soon() says whether the place becomes free long before the limits of the requests below.
-  bool is_free_soon() const {
-    for (const auto from = Clock::now(); Clock::now() - from < 15s; std::this_thread::sleep_for(20ms)) {
-      if (run() == 200) return true;
-    }
-    return false;
-  }
-};
+using Abandoned = OnePlace;
 
 struct LongRequest {
   const char* name;

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "server/service.hpp"
 #include "tests/server/client.hpp"
@@ -43,6 +45,34 @@ class Serving : public testing::Test {
 
  private:
   static inline std::unique_ptr<Service> service_;
+};
+
+/// OnePlace is for tests of a service that has one place to compute and none to wait.
+class OnePlace : public testing::Test {
+ protected:
+  void start() {
+    settings.threads = 1;
+    settings.queue = 0;
+    service = std::make_unique<Service>(settings, page_assets);
+    ASSERT_FALSE(service->start());
+  }
+  /// run() returns the status of a short run.
+  int run() const {
+    return ask(service->port(), post("/v1/simulate", R"({"problem":"kepler","scheme":"leapfrog","until":{"steps":9}})"))
+        .status;
+  }
+  /// is_free_soon() tells whether the place becomes free long before the limits of the requests that tests make.
+  bool is_free_soon() const {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::seconds soon{15};
+    for (const auto from = Clock::now(); Clock::now() - from < soon;
+         std::this_thread::sleep_for(std::chrono::milliseconds(20)))
+      if (run() == 200) return true;
+    return false;
+  }
+
+  Settings settings = quiet_settings();
+  std::unique_ptr<Service> service;
 };
 
 /// Asking sends requests and reads answers in JSON.

@@ -228,26 +228,7 @@ TEST(Study, AClientThatTakesNoMoreEndsIt) {
   EXPECT_TRUE(admission.enter("").has_value());
 }
 
-// Services that are ended, or have one place to compute.
-class StudyLoad : public testing::Test {
- protected:
-  Settings settings = quiet_settings();
-  std::unique_ptr<Service> service;
-  void start() {
-    settings.threads = 1;
-    settings.queue = 0;
-    service = std::make_unique<Service>(settings, page_assets);
-    ASSERT_FALSE(service->start());
-  }
-  int run() const { return ask(service->port(), post("/v1/simulate", simple)).status; }
-  // is_free_soon() says whether the place becomes free soon.
-  bool is_free_soon() const {
-    for (const auto from = Clock::now(); Clock::now() - from < 15s; std::this_thread::sleep_for(20ms)) {
-      if (run() == 200) return true;
-    }
-    return false;
-  }
-};
+using StudyLoad = OnePlace;
 
 TEST_F(StudyLoad, TheBudgetHolds) {
   start();

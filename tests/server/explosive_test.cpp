@@ -126,7 +126,9 @@ TEST_F(ExplosiveScenes, KeepItWhereAThousandFormulasChange) {
 #endif
 }
 
-// A step of an implicit scheme factorizes the matrix of all coordinates, and looks at the clock in doing so.
+// A step of an implicit scheme factorizes the matrix of all coordinates, and looks at the clock in doing so. Of 1,024
+// coordinates that takes longer than the limit; of 24 the whole run takes from a third of a second to two on a usual
+// machine, and may be complete on a fast one.
 TEST_F(ExplosiveScenes, KeepItWithinAStep) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "minutes there";
@@ -138,8 +140,11 @@ TEST_F(ExplosiveScenes, KeepItWithinAStep) {
       const Reply reply = answer_within(
           0.5, "/v1/simulate",
           "{" + scene.problem + R"(,"scheme":")" + scheme + R"(","until":{"t":1},"limits":{"seconds":0.1}})");
-      const bool large = scene.name == "all coordinates multiplied" && reply.status == 200;
-      EXPECT_TRUE(!large || reply.body.find("\"reason\":\"deadline\"") != std::string::npos)
+      if (left_out(reply)) continue;
+      EXPECT_EQ(reply.status, 200) << reply.body.substr(0, 300);
+      const auto says = [&](std::string_view part) { return reply.body.find(part) != std::string::npos; };
+      const bool may_complete = scene.name == "masses that all coordinates move";
+      EXPECT_TRUE(says("\"reason\":\"deadline\"") || (may_complete && says("\"status\":\"completed\"")))
           << reply.body.substr(0, 300);
     }
   }

@@ -60,14 +60,7 @@ TEST_F(AdaptiveBorisHttp, StandsInEveryListGoesBackwardAndMeetsEvents) {
 
   Json half = still();
   half["until"] = 5;
-  const Json there = answer(half);
-  const Json back = answer({{"problem", there["problem"]},
-                            {"scheme", there["scheme"]},
-                            {"initial", there["final"]},
-                            {"record", {{"every", 0}}},
-                            {"until", 0}});
-  EXPECT_EQ(back["status"], "completed");
-  EXPECT_NEAR(back["final"]["x"], 0.994, 1e-4);
+  expect_there_and_back(half, 1e-4);
 
   Json request = still();
   request["until"] = 8;

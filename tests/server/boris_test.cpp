@@ -77,14 +77,7 @@ TEST_F(BorisHttp, TheChargedParticleOfTheCatalogueGyrates) {
 }
 
 TEST_F(BorisHttp, GoesBackwardAndMeetsEvents) {
-  const Json there = answer(bottle());
-  const Json back = answer({{"problem", there["problem"]},
-                            {"scheme", there["scheme"]},
-                            {"initial", there["final"]},
-                            {"record", {{"every", 0}}},
-                            {"until", 0}});
-  EXPECT_EQ(back["status"], "completed");
-  for (const auto& [name, value] : back["final"].items()) EXPECT_NEAR(value, there["initial"][name], 1e-11) << name;
+  expect_there_and_back(bottle(), 1e-11);
 
   // Bounces off one plane, and crossings of another.
   Json request = bottle();
@@ -112,21 +105,13 @@ TEST_F(BorisHttp, IsStudiedAndVaried) {
   study["budget_seconds"] = 2;
   study["until"] = 5;
   study.erase("scheme");
-  Json made = answer(study, "/v1/work-precision");
+  const Json made = answer(study, "/v1/work-precision");
   EXPECT_NEAR(made["curves"][0]["observed_order"], 2, 0.2);
   EXPECT_NEAR(made["curves"][1]["observed_order"], 4, 0.3);
 
-  Json ensemble = bottle();
-  ensemble.erase("record");
-  ensemble["members"] = {{"count", 3}, {"vary", {{"/initial/py", {{"values", {0.7, 0.75, 0.8}}}}}}};
-  ensemble["keep"] = {"final"};
-  ensemble["columns"] = {"x"};
-  made = answer(ensemble, "/v1/ensemble");
-  EXPECT_EQ(made["completed"], 3);
-  Json one = bottle();
-  one["initial"] = {{"x", 1.5}, {"py", 0.75}};
-  ensemble["initial"] = one["initial"];
-  EXPECT_EQ(answer(ensemble, "/v1/ensemble")["final"]["x"][1], answer(one)["final"]["x"]) << "the bits of a single run";
+  Json varied = bottle();
+  varied["initial"] = {{"x", 1.5}, {"py", 0.75}};
+  expect_bits_of_a_run(varied, "py", {0.7, 0.75, 0.8});
 
   Json derived = bottle();
   derived["sensitivities"] = {{"by", {"/problem/M"}}, {"of", "motion"}};

@@ -98,6 +98,30 @@ class Asking : public Serving {
     problem["id"] = "custom";
     return problem;
   }
+  /// expect_there_and_back() expects that the end of a run is the start of one that comes back to the first start at
+  /// time 0, but for `most` in each variable.
+  static void expect_there_and_back(const Json& request, double most) {
+    const Json there = answer(request);
+    const Json back = answer({{"problem", there["problem"]},
+                              {"scheme", there["scheme"]},
+                              {"initial", there["final"]},
+                              {"record", {{"every", 0}}},
+                              {"until", 0}});
+    EXPECT_EQ(back["status"], "completed");
+    for (const auto& [name, value] : back["final"].items()) EXPECT_NEAR(value, there["initial"][name], most) << name;
+  }
+  /// expect_bits_of_a_run() expects that the second of three members, which has the start of the request, ends at the
+  /// very x at which a single run ends. `values` are those that the members have of a variable.
+  static void expect_bits_of_a_run(Json request, const std::string& variable, const Json& values) {
+    const Json one = answer(request);
+    request.erase("record");
+    request["members"] = {{"count", 3}, {"vary", {{"/initial/" + variable, {{"values", values}}}}}};
+    request["keep"] = {"final"};
+    request["columns"] = {"x"};
+    const Json made = answer(request, "/v1/ensemble");
+    EXPECT_EQ(made["completed"], 3);
+    EXPECT_EQ(made["final"]["x"][1], one["final"]["x"]);
+  }
 };
 
 }  // namespace least::server::test

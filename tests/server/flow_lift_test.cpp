@@ -43,14 +43,7 @@ TEST_F(FlowLiftHttp, RunsAndStandsInTheList) {
 TEST_F(FlowLiftHttp, GoesBackwardAndMeetsEvents) {
   Json there = lorenz();
   there["until"] = 0.5;
-  const Json made = answer(there);
-  const Json back = answer({{"problem", made["problem"]},
-                            {"scheme", made["scheme"]},
-                            {"initial", made["final"]},
-                            {"record", {{"every", 0}}},
-                            {"until", 0}});
-  EXPECT_EQ(back["status"], "completed");
-  for (const auto& [name, value] : back["final"].items()) EXPECT_NEAR(value, made["initial"][name], 1e-9) << name;
+  expect_there_and_back(there, 1e-9);
   Json request = lorenz();
   request["columns"] = {"t", "x", {{"name", "r"}, {"expression", "sqrt(x^2+y^2)"}}};
   request["record"] = {{"samples", 21}};
@@ -76,13 +69,7 @@ TEST_F(FlowLiftHttp, IsStudiedVariedAndRefusedByName) {
   EXPECT_NEAR(curves[0]["observed_order"], 2, 0.2);
   EXPECT_NEAR(curves[1]["observed_order"], 4, 0.3);
 
-  Json ensemble = lorenz();
-  ensemble.erase("record");
-  ensemble["members"] = {{"count", 3}, {"vary", {{"/initial/y", {{"values", {0.9, 1, 1.1}}}}}}};
-  ensemble["keep"] = {"final"};
-  ensemble["columns"] = {"x"};
-  EXPECT_EQ(answer(ensemble, "/v1/ensemble")["final"]["x"][1], answer(lorenz())["final"]["x"])
-      << "the bits of a single run";
+  expect_bits_of_a_run(lorenz(), "y", {0.9, 1, 1.1});
 
   Json derived = lorenz();
   derived["until"] = 0.5;

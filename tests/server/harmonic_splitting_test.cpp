@@ -65,13 +65,7 @@ TEST_F(HarmonicSplittingHttp, StandsInEveryListAndIsRefusedByName) {
 }
 
 TEST_F(HarmonicSplittingHttp, GoesBackwardIsStudiedAndVaried) {
-  const Json there = answer(chain());
-  const Json back = answer({{"problem", there["problem"]},
-                            {"scheme", there["scheme"]},
-                            {"initial", there["final"]},
-                            {"record", {{"every", 0}}},
-                            {"until", 0}});
-  for (const auto& [name, value] : back["final"].items()) EXPECT_NEAR(value, there["initial"][name], 1e-11) << name;
+  expect_there_and_back(chain(), 1e-11);
 
   Json small = Json::parse(R"~({"problem":{"id":"custom","variables":["x","y"],"parameters":{"e":0.1},
       "potential":"(x^2+y^2)/2 + e*y*(x^2-y^2/3)"},"initial":{"x":0.3,"vy":0.4},"until":20,
@@ -93,15 +87,9 @@ TEST_F(HarmonicSplittingHttp, GoesBackwardIsStudiedAndVaried) {
   EXPECT_EQ(acted["acts"][0]["count"], known["acts"][0]["count"]);
   EXPECT_NEAR(acted["final"]["x"], known["final"]["x"], 1e-5);
 
-  Json ensemble = events;
-  ensemble.erase("events");
-  ensemble.erase("section");
-  ensemble["members"] = {{"count", 3}, {"vary", {{"/initial/py", {{"values", {0.3, 0.4, 0.5}}}}}}};
-  ensemble["keep"] = {"final"};
-  ensemble["columns"] = {"x"};
-  Json one = ensemble;
-  for (const char* key : {"members", "keep", "columns"}) one.erase(key);
-  EXPECT_EQ(answer(ensemble, "/v1/ensemble")["final"]["x"][1], answer(one)["final"]["x"]) << "the bits of a single run";
+  Json varied = events;
+  for (const char* key : {"events", "section"}) varied.erase(key);
+  expect_bits_of_a_run(varied, "py", {0.3, 0.4, 0.5});
 }
 
 }  // namespace

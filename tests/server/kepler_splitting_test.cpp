@@ -96,15 +96,7 @@ TEST_F(KeplerSplittingHttp, IsOfferedWhereItFits) {
 TEST_F(KeplerSplittingHttp, GoesBackwardAndThereAndBack) {
   for (Json request : {tide(), outer_planets()}) {
     if (request["until"] == 200000) request["until"] = 20050;  // and a shorter step at the end
-    const Json there = answer(request);
-    const Json back = answer({{"problem", there["problem"]},
-                              {"scheme", there["scheme"]},
-                              {"initial", there["final"]},
-                              {"record", {{"every", 0}}},
-                              {"until", 0}});
-    EXPECT_EQ(back["status"], "completed");
-    for (const auto& [name, value] : back["final"].items())
-      EXPECT_NEAR(value, there["initial"][name], request["until"] == 40 ? 1e-12 : 1e-5) << name;
+    expect_there_and_back(request, request["until"] == 40 ? 1e-12 : 1e-5);
   }
 }
 
@@ -159,14 +151,7 @@ TEST_F(KeplerSplittingHttp, IsStudiedAndVaried) {
   made = answer(stability, "/v1/stability");
   EXPECT_TRUE(made["limits"][0]["theory"].is_null());
 
-  Json ensemble = tide();
-  ensemble.erase("record");
-  ensemble["members"] = {{"count", 3}, {"vary", {{"/initial/py", {{"values", {1, 1.1, 1.2}}}}}}};
-  ensemble["keep"] = {"final"};
-  ensemble["columns"] = {"x"};
-  made = answer(ensemble, "/v1/ensemble");
-  EXPECT_EQ(made["completed"], 3);
-  EXPECT_EQ(made["final"]["x"][1], answer(tide())["final"]["x"]) << "the bits of a single run";
+  expect_bits_of_a_run(tide(), "py", {1, 1.1, 1.2});
 
   Json derived = tide();
   derived["sensitivities"] = {{"by", {"/problem/e"}}, {"of", "scheme"}};

@@ -59,22 +59,10 @@ TEST_P(AdaptiveBorisOf, TheSlopesOfThePaceAreItsOwn) {
 }
 
 TEST_P(AdaptiveBorisOf, HasTheOrderOfTheComposition) {
-  constexpr double end = 3;
-  Request truth = request_of(scene(), "taylor", 0, end);
-  runs::set(truth, "tolerance", 1e-16);
-  const auto known = final_of(truth);
+  const auto truth = true_end(scene());
   for (const auto& [composition, order] :
        {std::pair{"none", 2}, {"suzuki_4", 4}, {"kahan_li_6", 6}, {"kahan_li_8", 8}}) {
-    double seen = unknown, before = 1;
-    for (double step = 0.4; step > 5e-4 && before > 1e-11; step /= 2) {
-      Request request = request_of(scene(), "adaptive_boris", step, end);
-      runs::set(request, "composition", composition);
-      const auto outcome = runs::go(request).outcome;
-      if (outcome.stop.reason != ReturnCode::completed) continue;  // these steps are too long
-      const double error = distance(final_of(request), known);
-      if (before < 1e-3 && error > 1e-11) seen = std::log2(before / error);
-      before = error;
-    }
+    const double seen = observed_order(scene(), truth, "adaptive_boris", composition, {0.4, 5e-4});
     if (std::isnan(seen)) {
       EXPECT_GE(order, 8) << "no two steps between 1e-3 and round-off: " << composition;
       continue;

@@ -29,19 +29,10 @@ class BorisOf : public testing::TestWithParam<Scene> {
 
 // The order is checked from both sides: errors against the true motion at halved steps, all of them above round-off.
 TEST_P(BorisOf, HasTheOrderOfTheComposition) {
-  constexpr double end = 3;
-  Request truth = request_of(scene(), "taylor", 0, end);
-  runs::set(truth, "tolerance", 1e-16);
-  const auto known = final_of(truth);
+  const auto truth = true_end(scene());
   for (const auto& [composition, order] : compositions_of) {
-    double seen = unknown, before = 1;
-    for (double step = order == 2 ? scene().step : 0.75; step > 1e-3 && before > 1e-11; step /= 2) {
-      Request request = request_of(scene(), "boris", step, end);
-      runs::set(request, "composition", composition);
-      const double error = distance(final_of(request), known);
-      if (before < 1e-3 && error > 1e-11) seen = std::log2(before / error);
-      before = error;
-    }
+    const Steps steps{order == 2 ? scene().step : 0.75, 1e-3};
+    const double seen = observed_order(scene(), truth, "boris", composition, steps);
     if (std::isnan(seen)) {
       EXPECT_GE(order, 8) << "no two steps between 1e-3 and round-off: " << composition;
       continue;

@@ -1,6 +1,12 @@
 // Charges in magnetic fields, and rotating frames, as text.
 #pragma once
 
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "tests/support/steps_of_text.hpp"
 
 namespace magnetic {
@@ -59,6 +65,41 @@ inline Request request_of(const Scene& scene, std::string_view scheme, double st
   Request request = request_by(scheme, mechanics_of(scene.definition), scene.start, end);
   if (schemes()[request.scheme].find("step")) runs::set(request, "step", step);
   return request;
+}
+
+inline constexpr double end_of_orders = 3;  ///< the time at which the errors are taken that show an order
+
+/// true_end() returns the state at end_of_orders, from Taylor series to round-off.
+inline std::vector<double> true_end(const Scene& scene) {
+  Request truth = request_of(scene, "taylor", 0, end_of_orders);
+  runs::set(truth, "tolerance", 1e-16);
+  return final_of(truth);
+}
+
+struct Steps {
+  double longest, shortest;
+};
+
+/// observed_order() returns the order that errors against the true end show as steps are halved: that of the last two
+/// errors of which the first is below 1e-3 and the second above round-off, NaN where there are no such two. Steps with
+/// which a run does not complete are too long.
+inline double observed_order(const Scene& scene, const std::vector<double>& truth, std::string_view scheme,
+                             std::string_view composition, Steps steps) {
+  constexpr double small = 1e-3, round_off = 1e-11;
+  double seen = unknown, before = 1;
+  for (double step = steps.longest; step > steps.shortest && before > round_off; step /= 2) {
+    Request request = request_of(scene, scheme, step, end_of_orders);
+    runs::set(request, "composition", composition);
+    double error = 0;
+    try {
+      error = distance(final_of(request), truth);
+    } catch (const std::runtime_error&) {
+      continue;
+    }
+    if (before < small && error > round_off) seen = std::log2(before / error);
+    before = error;
+  }
+  return seen;
 }
 
 }  // namespace magnetic

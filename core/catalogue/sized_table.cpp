@@ -47,13 +47,7 @@ void SizedTable::rates(StateView x, const double* u, double dt, double* rates, d
   }
 }
 
-double SizedTable::kinetic(StateView x) const {
-  if (traits.configuration_metric) {
-    double h[2], potential = 0;
-    scene_->hamiltonian.evaluate(x.numbers, x.t, h);
-    scene_->potential.evaluate(x.numbers, x.t, &potential);
-    return h[0] - potential;
-  }
+double SizedTable::kinetic_by_masses(StateView x) const {
   thread_local std::vector<double> v;
   const std::size_t n = scene_->coordinates;
   const double* const p = x.numbers + n;
@@ -64,29 +58,40 @@ double SizedTable::kinetic(StateView x) const {
   return 0.5 * sum;
 }
 
-EnergyTerms SizedTable::energy_terms(StateView x) const {
+EnergyTerms SizedTable::energy_from(StateView x, double potential, double hamiltonian) const {
   EnergyTerms terms{unknown, unknown, unknown, unknown};
   if (traits.flow) {
     if (forward_) terms = forward_->at(x, [](const auto& of, StateView y) { return of.energy_terms(y); });
   } else if (traits.potential) {
-    terms.kinetic = kinetic(x);
-    scene_->potential.evaluate(x.numbers, x.t, &terms.potential);
+    terms.kinetic = traits.configuration_metric ? hamiltonian - potential : kinetic_by_masses(x);
+    terms.potential = potential;
     if (!traits.contact) terms.total = terms.kinetic + terms.potential;
     if (traits.contact && traits.acting) {
       const double s = x[2 * traits.dof];
       terms.action_slope = action_slope(s, x.t);
       terms.total = terms.kinetic + terms.potential + scene_->action_energy(s, x.t);
     }
-  } else if (traits.general && traits.full) {
-    double all[2];
-    scene_->hamiltonian.evaluate(x.numbers, x.t, all);
-    terms.total = all[0];
+  } else if (reads_hamiltonian()) {
+    terms.total = hamiltonian;
   }
   return terms;
 }
 
+EnergyTerms SizedTable::energy_terms(StateView x) const {
+  double potential = unknown, hamiltonian[2] = {unknown, unknown};
+  if (traits.potential) scene_->potential.evaluate(x.numbers, x.t, &potential);
+  if (reads_hamiltonian()) scene_->hamiltonian.evaluate(x.numbers, x.t, hamiltonian);
+  return energy_from(x, potential, hamiltonian[0]);
+}
+
 void SizedTable::energy_terms(const StateRows& states, EnergyTerms* terms) const {
-  for (std::size_t i = 0; i < states.count; ++i) terms[i] = energy_terms(states[i]);
+  thread_local std::vector<double> potentials, hamiltonians;
+  potentials.assign(states.count, unknown);
+  hamiltonians.assign(2 * states.count, unknown);
+  if (traits.potential) scene_->potential.evaluate_rows(states.first, states.width, states.count, potentials.data());
+  if (reads_hamiltonian())
+    scene_->hamiltonian.evaluate_rows(states.first, states.width, states.count, hamiltonians.data());
+  for (std::size_t i = 0; i < states.count; ++i) terms[i] = energy_from(states[i], potentials[i], hamiltonians[2 * i]);
 }
 
 double SizedTable::mechanical_energy(StateView x) const {
@@ -100,7 +105,7 @@ double SizedTable::damping(double t) const {
 }
 
 void SizedTable::invariants(const StateRows& states, double* values) const {
-  for (std::size_t i = 0; i < states.count; ++i) invariants(states[i], values + i * traits.invariants);
+  scene_->invariants.evaluate_rows(states.first, states.width, states.count, values);
 }
 
 }  // namespace least

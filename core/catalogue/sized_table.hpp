@@ -67,7 +67,13 @@ class SizedTable final : public ProblemTable {
   const text::StateFormula& rate() const {
     return traits.components == scene_->components ? scene_->rate : scene_->motion();
   }
-  double kinetic(StateView x) const;
+  /// reads_hamiltonian() tells whether the terms of the energy are found from the Hamiltonian.
+  bool reads_hamiltonian() const { return traits.configuration_metric || (traits.general && traits.full); }
+  /// energy_from returns the terms of the energy with V and H at x; V counts where there is a potential, H where
+  /// reads_hamiltonian().
+  EnergyTerms energy_from(StateView x, double potential, double hamiltonian) const;
+  /// kinetic_by_masses returns p·M⁻¹p/2 for a constant metric.
+  double kinetic_by_masses(StateView x) const;
 
   std::shared_ptr<const text::SizedScene> scene_;
   std::shared_ptr<const ForwardTable> forward_;

@@ -45,6 +45,10 @@ class Formula {
     run(x, t, registers.data(), out);
   }
 
+  /// Writes the values at `count` rows, each of `width` doubles, the time and then x, to out, row by row; the values
+  /// have the bits that evaluate gives.
+  void evaluate_rows(const double* rows, std::size_t width, std::size_t count, double* out) const;
+
   std::size_t outputs() const { return outputs_.size(); }
   /// The number of operations, including those of all terms.
   std::size_t operations() const;

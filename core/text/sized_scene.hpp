@@ -39,6 +39,11 @@ class StateFormula {
     velocities_->find(x, components_ > 2 * n ? x[2 * n] : T(0), t, all.data() + components_);
     formula_.evaluate(all.data(), t, out);
   }
+  /// Formula::evaluate_rows.
+  void evaluate_rows(const double* rows, std::size_t width, std::size_t count, double* out) const {
+    if (!velocities_) return formula_.evaluate_rows(rows, width, count, out);
+    for (std::size_t i = 0; i < count; ++i, rows += width, out += outputs()) evaluate(rows + 1, rows[0], out);
+  }
   std::size_t outputs() const { return formula_.outputs(); }
   std::size_t operations() const { return formula_.operations(); }
 

@@ -110,4 +110,44 @@ TEST(Terms, AreSharedByFormulasUnlessTheyReadWhatOneHasComputed) {
   }
 }
 
+/// every_operation returns values of the variables x, y and of the time t, with every operation of a formula in them.
+std::vector<Symbol> every_operation(Tape& tape) {
+  const Symbol x = Symbol::variable(tape, 0), y = Symbol::variable(tape, 1), t = Symbol::time(tape);
+  const Symbol r = sqrt(x * x + y * y), half = x / (1 + r);
+  return {x + y - t,
+          3.0 - x * 2.0,
+          1.0 / y + half,
+          pow(r, 1.5),
+          exp(half) + log(r) + tanh(y),
+          sin(x + t) * cos(y) + tan(half),
+          sinh(half) - cosh(half),
+          atan(x) + asin(half) - acos(half),
+          select(x < y, x * y, t),
+          x,
+          Symbol(2.5)};
+}
+
+// Rows are computed many at a time, with the bits of one at a time, also with sums of terms.
+TEST(Formula, HasTheSameBitsInRowsAsAlone) {
+  for (const bool with_terms : {false, true}) {
+    Tape tape;
+    std::vector<Index> outputs;
+    for (const Symbol& value : every_operation(tape)) outputs.push_back(value.on(tape));
+    if (with_terms) outputs.push_back(attraction(tape, 3, true).place());
+    const Formula formula(tape, outputs);
+    const std::size_t width = 9, values = formula.outputs();
+    for (const std::size_t count : {1, 2, 31, 32, 33, 100}) {
+      std::vector<double> rows(count * width), together(count * values), alone(values);
+      for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = 0.1 + static_cast<double>(i * 7919 % 1009) / 1009;
+      formula.evaluate_rows(rows.data(), width, count, together.data());
+      for (std::size_t row = 0; row < count; ++row) {
+        formula.evaluate(rows.data() + row * width + 1, rows[row * width], alone.data());
+        for (std::size_t k = 0; k < values; ++k)
+          EXPECT_EQ(std::bit_cast<std::uint64_t>(together[row * values + k]), std::bit_cast<std::uint64_t>(alone[k]))
+              << "row " << row << " of " << count << ", value " << k;
+      }
+    }
+  }
+}
+
 }  // namespace

@@ -1,18 +1,16 @@
 #include "core/ensemble/ensemble.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <condition_variable>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
-#include <system_error>
 #include <thread>
 
+#include "core/clock.hpp"
 #include "core/ensemble/lane_members.hpp"
 #include "core/ensemble/lone_members.hpp"
-#include "core/run/budget.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/section_times.hpp"
 
@@ -56,16 +54,15 @@ class Blocks {
         columns_(plan.request, plan.members.vary),
         shard_(shard),
         ahead_(std::int64_t{threads} * (plan.request.section || plan.final || plan.trajectories ? 1 : 4) + 1),
-        budget_(plan.request.limits.seconds, stop_, [] { return true; }),
         cancelled_(cancelled),
         share_(share),
         memory_(memory) {
-    budget_.start();
     next_ = awaited_ = first_block(plan, shard);
+    threads_.reserve(threads);
     for (unsigned i = 0; i < threads; ++i) {
       try {
         threads_.emplace_back([this, i] { work(i); });
-      } catch (const std::system_error&) {  // then fewer threads have to do
+      } catch (const std::exception&) {  // no memory or no right to one more: fewer threads have to do
         if (threads_.empty()) throw;
         break;
       }
@@ -82,11 +79,14 @@ class Blocks {
   std::optional<Block> take() {
     std::unique_lock lock(mutex_);
     for (unsigned working = 0;;) {
-      if (share_ && std::exchange(working, share_()) != working) changed_.notify_all();
-      if (cancelled_.load(std::memory_order_relaxed)) end_locked(ReturnCode::cancelled);
-      if (budget_.seconds() > plan_.request.limits.seconds) end_locked(ReturnCode::deadline);
       if (failure_) std::rethrow_exception(failure_);
-      if (awaited_ >= plan_.end_block() || reason_ != ReturnCode::completed) return std::nullopt;
+      if (awaited_ >= plan_.end_block()) return std::nullopt;  // complete, however late it is by now
+      const unsigned share = share_ ? share_() : 0;
+      if (share != working) changed_.notify_all();
+      working = share;
+      if (cancelled_.load(std::memory_order_relaxed)) end_locked(ReturnCode::cancelled);
+      if (read_clock() - began_ > plan_.request.limits.seconds) end_locked(ReturnCode::deadline);
+      if (reason_ != ReturnCode::completed) return std::nullopt;
       if (const auto found = done_.find(awaited_); found != done_.end()) {
         Block block = std::move(found->second);
         done_.erase(found);
@@ -173,7 +173,7 @@ class Blocks {
   const Shard shard_;
   std::int64_t ahead_;  ///< how many blocks threads may be ahead of the receiver
   std::atomic<bool> stop_{false};
-  Budget budget_;
+  const double began_ = read_clock();
   const std::atomic<bool>& cancelled_;
   const Share& share_;
   MemoryBudget* const memory_;
@@ -215,7 +215,8 @@ void each_section_time(const EnsemblePlan& plan, See&& see) {
   const Request& request = plan.request;
   SectionTimes times(request.section, request.scene->start);
   const double end = request.until_steps ? grid_of(plan).end : request.end;
-  for (std::int64_t seen = 0; times.time() <= end && seen < plan.most_points(); times.next(), ++seen) see(times.time());
+  for (std::int64_t seen = 0; times.time() <= end && seen < plan.request.most_points(); times.next(), ++seen)
+    see(times.time());
 }
 
 /// each_row_time calls see(t) for the rows of trajectories.

@@ -31,7 +31,6 @@ class MemberGroup {
   void compile_steps();
 
   const std::vector<std::size_t>& members() const { return members_; }
-  bool has_steps() const { return shape_.end > shape_.begin; }
   const LaneProgram& step() const { return steps_->view; }
   /// rows() returns, by component of the state, its place on the card.
   const std::vector<std::uint32_t>& rows() const { return shape_.rows; }

@@ -124,6 +124,21 @@ TEST(Ensemble, EndsWithItsTimeAndWhenToldTo) {
   EXPECT_EQ(seen, 2);
 }
 
+// The receiver of blocks may be slow; what was computed in time is complete however late the last block is received.
+TEST(Ensemble, IsCompleteHoweverLateItsLastBlockIsReceived) {
+  EnsemblePlan plan = kepler_members();
+  plan.request.end = 1;
+  plan.request.limits.seconds = 1e6;
+  const std::atomic<bool> never{false};
+  const std::int64_t last = plan.end_block() - 1;
+  const auto late = [&](const Block& block) {
+    if (block.index == last) least::read_clock = [] { return 1e12; };
+    return true;
+  };
+  EXPECT_EQ(run_ensemble(plan, {}, 2, never, late), ReturnCode::completed);
+  least::read_clock = least::steady_seconds;
+}
+
 TEST(Ensemble, AStroboscopicSectionIsTakenAtItsTimes) {
   EnsemblePlan plan = ensemble_of("harmonic_oscillator", "leapfrog", 10);
   test::setting(plan, "step") = 0.01;

@@ -106,7 +106,7 @@ struct EnsembleStream {
     std::size_t points = 0;
     const auto computed = compute(plan, context, gone, *places, [&](Computed& sums, Block& block) {
       SectionPoints& section = block.harvest.section;
-      const std::size_t before = section.t.size(), most = static_cast<std::size_t>(plan.most_points());
+      const std::size_t before = section.t.size(), most = static_cast<std::size_t>(plan.request.most_points());
       section.cut(most - points, plan.request.columns.size());  // drops those beyond the limit
       points += section.t.size();
       TextPieces pieces = pieces_of_block(plan, block);
@@ -140,7 +140,7 @@ bool keep(const EnsemblePlan& plan, Computed& sums, Block& block) {
     sums.all = std::move(block.harvest);
     sums.held = std::move(block.held);
   } else {
-    sums.all.add(block.harvest, static_cast<std::size_t>(plan.most_points()), sums.held);
+    sums.all.add(block.harvest, static_cast<std::size_t>(plan.request.most_points()), sums.held);
   }
   return true;
 }

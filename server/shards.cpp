@@ -67,7 +67,8 @@ std::size_t most_of_block(const EnsemblePlan& plan) {
   if (plan.final) numbers += static_cast<std::size_t>(block_size) * (1 + plan.request.columns.size());
   if (plan.trajectories)
     numbers += static_cast<std::size_t>(block_size) * (1 + row_count(plan) * plan.request.columns.size());
-  if (plan.request.section) numbers += static_cast<std::size_t>(plan.most_points()) * (3 + plan.request.columns.size());
+  if (plan.request.section)
+    numbers += static_cast<std::size_t>(plan.request.most_points()) * (3 + plan.request.columns.size());
   return names + longest * numbers;
 }
 
@@ -373,7 +374,7 @@ Answer merge_parts(const Cards& cards, const std::vector<std::string>& paths, st
     if (!block || block->index != b) {
       damaged(part, fmt::format("block {} is not there", b));
     } else if (faults.empty()) {
-      all.add(block->harvest, static_cast<std::size_t>(plan->most_points()));
+      all.add(block->harvest, static_cast<std::size_t>(plan->request.most_points()));
     }
   }
   for (Part& part : parts)

@@ -20,9 +20,6 @@ struct EnsemblePlan {
   bool statistics = true, final = false, trajectories = false;
   std::vector<HistogramAsked> histograms;
 
-  /// most_points() returns how many points of the section limits.samples leaves room for: a point takes one number for
-  /// the time and one for each other column.
-  std::int64_t most_points() const { return request.limits.samples / std::ssize(request.section_columns()); }
   std::int64_t first_block() const { return first / block_size; }
   std::int64_t end_block() const { return (last + block_size - 1) / block_size; }
 };

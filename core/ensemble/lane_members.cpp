@@ -338,11 +338,11 @@ class LaneBlock final : public LaneHost {
     append_columns(m, t, state, points.values);
   }
   /// most_points() is the number of points kept before the surplus is removed.
-  std::size_t most_points() const { return static_cast<std::size_t>(5 * plan_.most_points() / 4 + block_size); }
+  std::size_t most_points() const { return static_cast<std::size_t>(5 * plan_.request.most_points() / 4 + block_size); }
   /// keep_first_points orders the points by member and crossing, and keeps as many as the limit allows.
   void keep_first_points() {
     SectionPoints& all = block_.harvest.section;
-    const auto most = static_cast<std::size_t>(plan_.most_points());
+    const auto most = static_cast<std::size_t>(plan_.request.most_points());
     block_.harvest.truncated = block_.harvest.truncated || all.t.size() > most;
     all.sort(block_.first, static_cast<std::size_t>(block_.count), most, block_.held, [&] { return !gone(); });
   }

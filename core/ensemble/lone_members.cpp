@@ -82,7 +82,7 @@ void run_lone_members(const EnsemblePlan& plan, const MemberColumns& columns, Bl
   std::vector<double> varied;
   Harvest& harvest = block.harvest;
   Trajectories& ways = harvest.trajectories;
-  const auto most = static_cast<std::size_t>(plan.most_points());
+  const auto most = static_cast<std::size_t>(plan.request.most_points());
   for (std::int64_t i = block.first; i < block.first + block.count && !cancelled; ++i) {
     request.scene = starts.scene(i);
     varied.clear();

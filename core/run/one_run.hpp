@@ -268,8 +268,7 @@ class Run {
   SectionSink section_sink_;
   TrajectoryWriter writer_, section_writer_;
   const std::int64_t most_rows_ = request_.most_rows();
-  const std::int64_t most_points_ =
-      request_.section ? request_.limits.samples / std::ssize(request_.section_columns()) : 0;
+  const std::int64_t most_points_ = request_.most_points();
   Budget budget_;
   Watch watch_;
   Acts acts_{backend_, request_};

@@ -75,10 +75,14 @@ struct Request {
   std::vector<EventAsked> events;  ///< one for each of `watched`
   std::optional<Section> section{};
   Limits limits;
+  std::size_t uncounted = 0;  ///< how many columns, the last ones, limits.samples does not count
   /// The number of rows that limits.samples leaves room for.
   std::int64_t most_rows() const {
-    return limits.samples / std::max<std::int64_t>(static_cast<std::int64_t>(columns.size()), 1);
+    return limits.samples / std::max<std::int64_t>(static_cast<std::int64_t>(columns.size() - uncounted), 1);
   }
+  /// The number of points of the section that limits.samples leaves room for: a point takes one number for the time and
+  /// one for each other column. 0 where there is no section.
+  std::int64_t most_points() const { return section ? limits.samples / std::ssize(section_columns()) : 0; }
   /// Whether this one of `watched` is the plane of the section.
   bool is_plane(std::size_t which) const { return which == 0 && section && section->plane; }
   /// The columns of a row of the section: the time, which is the first of a problem's columns, then the columns asked

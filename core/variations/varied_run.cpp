@@ -49,10 +49,8 @@ Solution VariedRun::go(RowSink& sink, const std::atomic<bool>& cancelled) {
   const auto place = static_cast<std::size_t>(known - timed.columns.begin());
   const bool added = known == timed.columns.end();
   if (added) {
-    const std::int64_t rows = timed.most_rows();
     timed.columns.push_back(time_column);
-    // The limit counts numbers: keep the number of rows that the request has without the added column
-    timed.limits.samples = rows * static_cast<std::int64_t>(timed.columns.size());
+    timed.uncounted = 1;
   }
   TimedRows rows(sink, timed.columns.size(), place, times_);
   if (added) rows.take_off_the_last();

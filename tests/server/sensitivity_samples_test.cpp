@@ -71,5 +71,20 @@ TEST_F(SensitivitySamples, OfAMapAreToldUpToTheStepWhereTheRunStops) {
   expect_those_until(10 * 0.0078125 * static_cast<double>(count - 1), ended, count);
 }
 
+// The time that derivatives at samples need is no column of the request: limits.samples has room for as many rows, and
+// for as many points of a section, as without derivatives.
+TEST_F(SensitivitySamples, LeaveTheRowsAndTheSectionOfTheRunAsTheyAre) {
+  runs::problem_called("harmonic_oscillator");
+  const Json run{
+      {"problem", "harmonic_oscillator"}, {"until", 100},     {"scheme", {{"id", "leapfrog"}, {"step", 0.0625}}},
+      {"record", {{"samples", 15}}},      {"columns", {"q"}}, {"section", {{"expression", "q"}}},
+      {"limits", {{"samples", 30}}}};
+  Json asked = run;
+  asked["sensitivities"] = {{"by", {"/initial/q"}}, {"at", "samples"}};
+  const Json alone = answer(run), with = answer(asked);
+  EXPECT_EQ(with["sensitivities"]["samples"].size(), 15) << with;
+  for (const char* part : {"section", "trajectory", "warnings"}) EXPECT_EQ(with[part], alone[part]);
+}
+
 }  // namespace
 }  // namespace least::server::test

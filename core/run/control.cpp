@@ -34,12 +34,7 @@ bool rates_go_on(const RunBackend& backend, const RunState& start, const Control
     problem.rates(y, rates.data());
     return rates;
   };
-  const auto largest = [n](const StateNumbers& rates) {
-    double most = 0;
-    for (std::size_t i = 0; i < n; ++i)
-      if (!(std::abs(rates[i]) <= most)) most = std::abs(rates[i]);
-    return most;
-  };
+  const auto largest = [n](const StateNumbers& rates) { return largest_of(std::span(rates).first(n)); };
   const StateNumbers here = rates_at(x);
   double usual = largest(rates_at(start));
   for (const RunState& before : stood.states) usual = std::max(usual, largest(rates_at(before)));

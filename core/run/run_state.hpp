@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -77,6 +79,14 @@ class StateNumbers {
   std::vector<double> elsewhere_;  ///< all numbers, if there are more than in_place
 };
 
+/// largest_of returns the largest absolute value of the numbers, NaN if one of them is NaN, and 0 of none.
+inline double largest_of(std::span<const double> numbers) {
+  double largest = 0;
+  for (const double x : numbers)
+    if (std::abs(x) > largest || std::isnan(x)) largest = std::abs(x);
+  return largest;
+}
+
 /// StateView refers to a state stored elsewhere: the time and the components in order, followed by the components of a
 /// tangent direction if the run carries one.
 struct StateView {
@@ -113,13 +123,6 @@ struct RunState {
 
 template <class X>
 inline constexpr std::size_t numbers_in = Sloped<X> ? 2 * X::size : X::size;
-
-/// components_in returns the number of components of a state, a constant of its type or known to a RunState.
-template <class X>
-constexpr std::size_t components_in([[maybe_unused]] const X& x) {
-  if constexpr (std::is_same_v<X, RunState>) return x.size();
-  if constexpr (!std::is_same_v<X, RunState>) return X::size;
-}
 
 /// state_from converts to the state type X of a problem.
 template <class X>

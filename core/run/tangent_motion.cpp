@@ -3,18 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/run/run_state.hpp"
 #include "core/tape/derivative.hpp"
 
 namespace least {
-namespace {
-
-double largest_of(std::span<const double> x) {
-  double most = 0;
-  for (const double component : x) most = std::abs(component) <= most ? most : std::abs(component);
-  return most;
-}
-
-}  // namespace
 
 tape::Program TangentMotion::program_of(tape::Tape equations, std::span<const tape::Index> rates,
                                         std::size_t directions) {

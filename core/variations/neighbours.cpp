@@ -30,6 +30,13 @@ Request bare(Request request) {
   return request;
 }
 
+/// end_of runs a bare request, which ends once keep_going() returns false.
+Solution end_of(const Request& request, const KeepGoing& keep_going) {
+  Nowhere nowhere(keep_going);
+  const std::atomic<bool> never{false};
+  return request.scene->mechanics->run(request, nowhere, never);
+}
+
 }  // namespace
 
 Request closely(const Request& request, const Solution& outcome) {
@@ -46,10 +53,7 @@ Request closely(const Request& request, const Solution& outcome) {
 }
 
 Solution run_of_motion(const Request& request, const Solution& outcome, const KeepGoing& keep_going) {
-  const Request alone = bare(closely(request, outcome));
-  Nowhere nowhere(keep_going);
-  const std::atomic<bool> never{false};
-  return alone.scene->mechanics->run(alone, nowhere, never);
+  return end_of(bare(closely(request, outcome)), keep_going);
 }
 
 Neighbours::Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start)
@@ -110,9 +114,7 @@ std::vector<double> Neighbours::moved(const Quantity& quantity, double by, const
   auto scene = std::make_shared<Scene>(*request.scene);
   start_.move(quantity, by, *scene);
   request.scene = scene;
-  Nowhere nowhere(keep_going);
-  const std::atomic<bool> never{false};
-  const Solution ended = scene->mechanics->run(request, nowhere, never);
+  const Solution ended = end_of(request, keep_going);
   std::vector<double> state;
   for (const std::size_t place : asked_.equations->variables)
     state.push_back(ended.stop.reason == ReturnCode::completed ? ended.final[place] : unknown);

@@ -4,19 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/run/run_state.hpp"
 #include "core/tape/derivative.hpp"
 #include "core/variations/start.hpp"
 
 namespace least::variations {
-namespace {
-
-double largest_of(std::span<const double> x) {
-  double most = 0;
-  for (const double component : x) most = std::abs(component) <= most ? most : std::abs(component);
-  return most;
-}
-
-}  // namespace
 
 bool switches(const ParametricScene& scene) {
   for (tape::Index i = 0; i < scene.tape.size(); ++i)

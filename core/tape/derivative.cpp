@@ -260,7 +260,7 @@ Symbol Substitution::at(Index place) {
         made = pow(a(), node.value);
         break;
       case Op::raise:
-        made = raise(a(), b());
+        made = powers_ == Powers::kept ? raise(a(), b()) : pow(a(), b());
         break;
       case Op::sqrt:
         made = sqrt(a());
@@ -366,6 +366,22 @@ PlainTape written_out(const Tape& tape, std::span<const Index> roots, Index most
   Substitution write(
       tape, plain.tape, [&](int i) { return Symbol::variable(plain.tape, static_cast<std::size_t>(i)); },
       Totals::written_out);
+  plain.roots.reserve(roots.size());
+  for (const Index root : roots) plain.roots.push_back(write.at(root).on(plain.tape));
+  return plain;
+}
+
+bool has_moving_exponents(const Tape& tape) {
+  for (Index i = 0; i < tape.size(); ++i)
+    if (tape[i].op == Op::raise) return true;
+  return false;
+}
+
+PlainTape with_exponentials(const Tape& tape, std::span<const Index> roots) {
+  PlainTape plain;
+  Substitution write(
+      tape, plain.tape, [&](int i) { return Symbol::variable(plain.tape, static_cast<std::size_t>(i)); }, Totals::kept,
+      Powers::exponentials);
   plain.roots.reserve(roots.size());
   for (const Index root : roots) plain.roots.push_back(write.at(root).on(plain.tape));
   return plain;

@@ -46,14 +46,16 @@ std::vector<std::pair<std::size_t, Symbol>> slopes_of(Tape& tape, const Symbol& 
 
 /// Whether a substitution keeps the terms of a tape as terms, or writes their totals out term by term.
 enum class Totals : std::uint8_t { kept, written_out };
+/// Whether a substitution keeps a^b whose exponent is no number (Op::raise), or writes it as exp(b log a).
+enum class Powers : std::uint8_t { kept, exponentials };
 
 /// Substitution writes values of the tape `from` on the tape `to`, with the symbol in_place_of(i) in the place of
 /// variable i. The time stays the time.
 class Substitution {
  public:
   Substitution(const Tape& from, Tape& to, std::function<Symbol(int variable)> in_place_of,
-               Totals totals = Totals::kept)
-      : from_(from), to_(to), in_place_of_(std::move(in_place_of)), totals_(totals) {}
+               Totals totals = Totals::kept, Powers powers = Powers::kept)
+      : from_(from), to_(to), in_place_of_(std::move(in_place_of)), totals_(totals), powers_(powers) {}
   Symbol operator()(const Symbol& y) { return y.is_constant() ? y : at(y.place()); }
   /// The same for the node at `place` of `from`.
   Symbol at(Index place);
@@ -71,13 +73,14 @@ class Substitution {
   Tape& to_;
   std::function<Symbol(int)> in_place_of_;
   Totals totals_;
+  Powers powers_;
   std::vector<Symbol> made_;
   std::vector<bool> known_;
   std::map<Index, Index> terms_;               ///< the number of terms on `to` by their number on `from`
   std::map<Index, std::vector<Symbol>> sums_;  ///< sums by the number of their terms on `from`, written out
 };
 
-/// A tape without Terms, on which all totals are written out, and the places of its roots.
+/// A tape on which something is written otherwise, and the places of its roots.
 struct PlainTape {
   Tape tape;
   std::vector<Index> roots;
@@ -87,5 +90,10 @@ std::size_t operations_written_out(const Tape& tape);
 inline constexpr Index most_written_out = 1 << 18;
 /// Writes the roots on a plain tape; throws TooManyOperations where that takes more than `most` operations.
 PlainTape written_out(const Tape& tape, std::span<const Index> roots, Index most);
+/// has_moving_exponents tells whether there is an a^b on the tape whose exponent is no number.
+bool has_moving_exponents(const Tape& tape);
+/// with_exponentials writes the roots on another tape, on which every such power is exp(b log a); sums of terms are
+/// kept.
+PlainTape with_exponentials(const Tape& tape, std::span<const Index> roots);
 
 }  // namespace least::tape

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "core/tape/lane_table.hpp"
@@ -368,7 +369,8 @@ class Lowering {
         return log_like(node.op, node.a);
       case Op::total:  // its terms have to be written out before
         throw TooManyOperations();
-      case Op::raise:  // made exp(b log a) before
+      case Op::raise:
+        throw std::logic_error("a power whose exponent moves has to be written as an exponential before");
       case Op::select:
         break;
     }

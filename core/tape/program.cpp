@@ -1,5 +1,6 @@
 #include "core/tape/program.hpp"
 
+#include "core/tape/derivative.hpp"
 #include "core/tape/lowered.hpp"
 #include "core/tape/steep.hpp"
 
@@ -30,10 +31,17 @@ Program::Effort effort_of(const Program& program) {
   return effort;
 }
 
+/// lowered_with_powers lowers a tape on which powers may have exponents that move. Series have no rule for these.
+Program lowered_with_powers(const Tape& tape, std::span<const Index> rates, std::size_t most) {
+  if (!has_moving_exponents(tape)) return lowered(tape, rates, most);
+  const PlainTape plain = with_exponentials(tape, rates);
+  return lowered(plain.tape, plain.roots, most);
+}
+
 }  // namespace
 
 Program::Program(const Tape& tape, std::span<const Index> rates, std::size_t most)
-    : Program(lowered(tape, rates, most)) {
+    : Program(lowered_with_powers(tape, rates, most)) {
   steep = steep_arguments(*this);
   conceals = may_conceal(*this);
   if (conceals) branches = branch_values(*this);

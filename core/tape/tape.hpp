@@ -28,7 +28,7 @@ enum class Op : std::uint8_t {
   multiply,
   divide,
   power,  ///< a^value; whole exponents from 0 to `most_factors` are products
-  raise,  ///< a^b with b no constant; has to be rewritten as exp(b log a) before series are made of it
+  raise,  ///< a^b with b no constant; series are made of exp(b log a) in its place
   sqrt,
   exp,
   log,

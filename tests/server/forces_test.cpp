@@ -21,6 +21,18 @@ class Forces : public Asking {
   }
 };
 
+// Steps of these schemes are long; what a polynomial makes of the energy and the work between their ends is no error of
+// theirs.
+TEST_F(Forces, AreBalancedByTheirWorkAtTheEndsOfLongSteps) {
+  for (const char* scheme : {"bulirsch_stoer", "fehlberg_78", "dormand_prince_5", "taylor"}) {
+    Json request = drag();
+    request["scheme"] = {{"id", scheme}, {"tolerance", 1e-12}};
+    const Json energy = answer(request)["diagnostics"]["energy"];
+    EXPECT_LT(energy["work"], -1.5) << scheme;
+    EXPECT_LT(energy["max_abs_error"], 1e-9) << scheme;
+  }
+}
+
 TEST_F(Forces, AreBalancedByTheirWork) {
   const Json made = answer(drag());
   const Json& energy = made["diagnostics"]["energy"];

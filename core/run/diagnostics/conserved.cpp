@@ -235,7 +235,9 @@ std::unique_ptr<Diagnostic> energy_diagnostic(const RunBackend& backend, const R
   const ProblemTraits& traits = backend.table().traits;
   const SchemeCard& scheme = request.scene->mechanics->schemes()[request.scheme];
   const bool long_steps = scheme.own_clock && (traits.potential || !traits.keeps_energy);
-  return std::make_unique<Energy>(long_steps, scheme.find("tolerance").has_value(), !traits.keeps_energy);
+  // Under forces it is the energy without their work that counts, which the motion conserves.
+  const bool changes = !traits.keeps_energy && !traits.forced;
+  return std::make_unique<Energy>(long_steps, scheme.find("tolerance").has_value(), changes);
 }
 std::unique_ptr<Diagnostic> momenta_diagnostic(const RunBackend&, const Request&, const KeepGoing&) {
   return std::make_unique<Momenta>();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -54,10 +55,7 @@ class GroupRun {
   /// go(bound) takes steps up to number `bound`, or to the end of the task.
   void go(std::int64_t bound) {
     while (anyone()) {
-      for (; next_ < task_.times.size() && task_.times[next_] < upcoming(); ++next_) {
-        if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
-        say(task_.times[next_]);
-      }
+      if (!say_due()) return end_all(cancelled);
       if (n_ >= std::min(task_.steps, bound)) return;
       if (n_ >= task_.step_limit) return end_all(step_limit);
       if (task_.cancelled->load(std::memory_order_relaxed)) return end_all(cancelled);
@@ -96,7 +94,8 @@ class GroupRun {
       step_alone(task_.tail, task_.end);
     }
     t_ = task_.end;
-    for (; next_ < task_.times.size() && !task_.cancelled->load(std::memory_order_relaxed); ++next_) say(task_.end);
+    for (; next_ < task_.times.size() && !task_.cancelled->load(std::memory_order_relaxed); ++next_)
+      say(task_.end, alive_);
     each_alive([&](std::size_t j, std::size_t lane) {
       task_.ended[member(j, lane)] = static_cast<std::uint8_t>(completed);
       for (std::size_t i = 0; i < size_; ++i) task_.final[i * task_.count + member(j, lane)] = pack(j)[i][lane];
@@ -161,10 +160,14 @@ class GroupRun {
   }
   std::size_t member(std::size_t j, std::size_t lane) const { return members_[j * lane_count + lane]; }
   template <class F>
-  void each_alive(F&& f) {
+  static void each(const Group<LaneMask>& members, F&& f) {
     for (std::size_t j = 0; j < packs; ++j)
       for (std::size_t lane = 0; lane < lane_count; ++lane)
-        if (alive_[j][lane]) f(j, lane);
+        if (members[j][lane]) f(j, lane);
+  }
+  template <class F>
+  void each_alive(F&& f) {
+    each(alive_, f);
   }
   bool faultless(const StepObservations& seen) {
     LaneMask wrong{};
@@ -250,8 +253,35 @@ class GroupRun {
   /// state.
   double upcoming() const { return n_ < task_.steps ? grid_time(n_ + 1) : task_.end; }
 
-  /// say(t) reports the states at the time t by a shorter step that does not affect the run.
-  void say(double t) {
+  /// say_due() reports states at the times asked for before the next state on the grid. A member that fails in the step
+  /// ahead has none within it. False: the task was cancelled.
+  bool say_due() {
+    std::optional<Group<LaneMask>> sound;
+    for (; next_ < task_.times.size() && task_.times[next_] < upcoming(); ++next_) {
+      if (task_.cancelled->load(std::memory_order_relaxed)) return false;
+      const bool within = task_.times[next_] > t_;
+      if (within && !sound) sound = sound_ahead();
+      say(task_.times[next_], within ? *sound : alive_);
+    }
+    return true;
+  }
+  /// sound_ahead() returns the members that will take the step ahead, found by a trial that does not affect the run.
+  Group<LaneMask> sound_ahead() {
+    if (n_ >= task_.step_limit) return {};
+    note(before_);
+    steps_->keep();
+    StepObservations seen;
+    steps_->advance(t_, task_.start_time, task_.step, n_, 1, n_ < task_.steps ? task_.step : task_.tail, seen);
+    Group<LaneMask> sound = alive_;
+    for (std::size_t j = 0; j < packs; ++j)
+      for (const auto& fault : steps_->after(j, seen, task_.step, true)) sound[j] = sound[j] & !fault.where;
+    steps_->take_back();
+    go_back(before_);
+    return sound;
+  }
+
+  /// say(t, whom) reports states at the time t by a shorter step that does not affect the run.
+  void say(double t, const Group<LaneMask>& whom) {
     note(before_);
     const double part = t - t_;
     if (part > 0) {
@@ -261,7 +291,7 @@ class GroupRun {
       steps_->take_back();
     }
     std::vector<double> state(size_);
-    each_alive([&](std::size_t j, std::size_t lane) {
+    each(whom, [&](std::size_t j, std::size_t lane) {
       for (std::size_t i = 0; i < size_; ++i) state[i] = pack(j)[i][lane];
       task_.host->at_time(member(j, lane), t, state.data());
     });

@@ -19,7 +19,6 @@ class EqualSteps : public Integrator {
   BlockResult finish(IntegrationState& state, double end, StepGuard& guard) final;
   void step_back(IntegrationState& state) final;
   RunState left() const final { return left_; }
-  bool reaches(const IntegrationState& state, double t) const final { return grid_.step_before(t) <= state.n; }
   /// By a step of the scheme of another length, which is as accurate as the scheme.
   StepStatus state_at(const IntegrationState& state, double t, RunState& x) const final;
 

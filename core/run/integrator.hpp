@@ -71,8 +71,6 @@ class Integrator {
   virtual RunState left() const = 0;
   /// The number of parts of a step that a search for changes of sign looks at one by one, so that none has two of them.
   virtual int parts() const { return 1; }
-  /// Whether state_at gives the state at t: t lies no later than the last step, or for equal steps the next one.
-  virtual bool reaches(const IntegrationState& state, double t) const = 0;
   /// state_at sets x to the state at the time t within the last step, or ahead by a trial step. It never changes the
   /// run.
   virtual StepStatus state_at(const IntegrationState& state, double t, RunState& x) const = 0;

@@ -69,7 +69,7 @@ class Run {
     method_ = integrator_->method();
     shows_discrete_energy_ = std::ranges::any_of(
         request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
-    if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
+    keep_last_step();
     budget_.start(weight_of_force(*scene_.mechanics));
     if (initialize()) {
       do {
@@ -175,9 +175,11 @@ class Run {
   /// began.
   void record_method_switch();
 
-  /// Whether samples wait until the step in which they lie has been searched, since an event in it may end the run.
-  bool looks_first() const { return fixed_ && watch_.may_end(); }
-  bool known(double t) const { return looks_first() ? t <= state_.x.t : integrator_->reaches(state_, t); }
+  /// keep_last_step lets the integrator keep what is looked for within the last step: rows by time, a curve, events.
+  void keep_last_step() {
+    if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty() || due() < infinite)
+      integrator_->keep_last_step();
+  }
   /// The time of the next row, of the samples or of a section by time.
   double due() const { return std::min(schedule_.time(), section_times_.time()); }
   /// Saves that row, or both where they have the same time.
@@ -188,7 +190,8 @@ class Run {
     if (point) section_times_.next();
     return (!sample || save(x, step)) && (!point || save_point(x, step)) && within_budget(1);
   }
-  /// Saves all rows before the end whose states are known.
+  /// Saves all rows by time up to the state. A step is taken before the rows in it are saved, because it may go wrong,
+  /// or an event in it may end the run.
   bool save_due();
   /// The state at a time within the last step, by a Hermite polynomial between its ends.
   StepStatus between_ends_of_step(double t, RunState& x) const;

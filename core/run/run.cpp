@@ -33,9 +33,9 @@ bool Run::advance_block() {
   const double due = this->due() < end_ ? this->due() : infinite;
   const StepTarget target{
       std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_, schedule_.step(),
-                looks_first() && due < infinite ? grid_.step_after(due) : SaveSchedule::never,
+                fixed_ && due < infinite ? grid_.step_after(due) : SaveSchedule::never,
                 diagnostics_.keeps_states() ? snapshots_.next(n) : SaveSchedule::never, evidence_.next(n)}),
-      std::min(loop_end_, looks_first() ? infinite : due)};
+      std::min(loop_end_, fixed_ ? infinite : due)};
   const BlockResult result =
       integrator_->advance(state_, target, guard_, diagnostics_.sees_steps() ? &diagnostics_ : nullptr);
   const bool crossed = diagnostics_.clear_crossed();
@@ -67,7 +67,7 @@ void Run::record_method_switch() {
 }
 
 bool Run::save_due() {
-  while (due() < end_ && known(due())) {
+  while (due() < end_ && due() <= state_.x.t) {
     RunState x = state_.x;
     StepStatus status = integrator_->state_at(state_, due(), x);
     // A shorter step may fail although the whole step succeeded; recording a state must not change a run.

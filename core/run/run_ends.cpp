@@ -90,7 +90,7 @@ bool Run::start_anew() {
   end_ = planned_end_;
   put_aside_ = work();
   integrator_ = backend_.bind(request_, state_.x, grid_, end_);
-  if (shows_discrete_energy_ || drawn_ < infinite || !watch_.empty()) integrator_->keep_last_step();
+  keep_last_step();
   method_ = integrator_->method();
   began_ = state_.x.t;
   watch_.begin_anew(began_, acted);

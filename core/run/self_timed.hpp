@@ -103,7 +103,6 @@ class SelfTimedIntegrator final : public Integrator {
 
   RunState left() const override { return run_state(left_); }
   int parts() const override { return step_parts; }
-  bool reaches(const State& state, double t) const override { return t <= state.x.t; }
   StepStatus state_at(const State& state, double t, RunState& to) const override {
     X x = state_from<X>(state.x);
     StepStatus status = StepStatus::solver_failed;

@@ -4,6 +4,7 @@
 #include "core/variations/scheme_map.hpp"
 #include "core/variations/start.hpp"
 #include "core/variations/structure.hpp"
+#include "core/variations/varied_motion.hpp"
 
 namespace least::variations {
 namespace {
@@ -46,6 +47,20 @@ std::optional<TangentMap> map_of_steps(const Walk& whole, const SensitivitiesAsk
   const Walked all = walk_all({whole.request, whole.scheme, grid, state, {}, {}, whole.keep_going}, asked, start);
   if (!all.reason.empty()) return std::nullopt;
   return tangent_map(*asked.equations, state, all.states.back(), all.slopes.back());
+}
+
+/// doubt_by_motion compares the derivatives of a scheme's map with those of the motion. Where forces jump the former
+/// may be exact and say nothing of the motion, because a step across a jump does not depend on where in it the jump
+/// lies. Differences below a tenth are an error of the scheme, and no reason for doubt.
+Doubt doubt_by_motion(const Request& request, SensitivitiesAsked asked, const Solution& outcome, const Slopes& of_map,
+                      const KeepGoing& keep_going) {
+  constexpr double close = 1e-12, much = 0.1;
+  asked.order = 1;
+  asked.whole_start = false;
+  const Sensitivities of_motion = sensitivities_of_motion(request, asked, outcome, {}, close, keep_going);
+  if (of_motion.final.empty() || !(of_motion.uncertainty < much)) return {0};
+  const double apart = disagreement({of_motion.final}, {of_map});
+  return {apart > much ? apart : 0};
 }
 
 }  // namespace
@@ -106,6 +121,8 @@ Sensitivities sensitivities_of_scheme(const Request& request, const Sensitivitie
 
   found.uncertainty = 0;
   add_doubt(doubt_by_runs(Neighbours(beside, asked, start), equations, all.slopes.back(), keep_going), found);
+  if (!stopped && switches(equations))
+    add_doubt(doubt_by_motion(request, asked, outcome, found.final, keep_going), found);
   return found;
 }
 

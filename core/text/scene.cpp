@@ -154,7 +154,7 @@ std::optional<TextScene::Objection> TextScene::objection(std::span<const double>
     const double mass = fold.number(form->mass[i]);
     const auto& name = definition.variables[i];
     if (mass > 0 && std::isfinite(mass) && std::isfinite(1 / mass)) continue;
-    if (typed) return Objection{"/masses/" + name, "is not positive"};
+    if (typed) return Objection{"/masses/" + name, "is not positive: a mass must be more than 0"};
     return Objection{whole, "is not regular: with these parameters the mass of " + name + " is not positive"};
   }
   const auto too_many = [&] {

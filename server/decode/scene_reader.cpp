@@ -184,7 +184,8 @@ Json without_lists(const Json& initial, const FieldPath& start, const text::Text
     if (count == 0 || !entry.is_array()) {
       elements[name] = entry;
     } else if (entry.size() != static_cast<std::size_t>(count)) {
-      start.at(name).fault("is a list of another length", Json(entry.size()), std::to_string(count) + " numbers");
+      start.at(name).lacks("is a list of " + std::to_string(entry.size()) + " numbers",
+                           std::to_string(count) + " numbers");
     } else {
       for (std::size_t i = 0; i < entry.size(); ++i) {
         const std::string element = text::element_name(name, static_cast<std::int64_t>(i) + 1);

@@ -278,6 +278,8 @@ TEST_F(CustomFaults, StandAtWhatTheRequestSays) {
        "/problem/masses/x", "not positive"},
       {R"~("problem":{"id":"custom","variables":["x[2]"],"potential":"x[1]^2","masses":{"x[2]":"-1"}})~",
        "/problem/masses/x[2]", "not positive"},
+      {R"~("problem":{"id":"custom","variables":["x[2]"],"potential":"x[1]^2"},"initial":{"x":[5,6,7]})~", "/initial/x",
+       "is a list of 3 numbers"},
       {R"~("problem":{"id":"custom","variables":["x"],"equations":"x"})~", "/problem/equations", "object of formulas"},
       {R"~("problem":"kepler","scheme":{"id":"leapfrog","step":1e-300})~", "/scheme/step", "more than can be counted"},
       {R"~("problem":"kepler","until":40,"scheme":{"id":"leapfrog","step":1e-300})~", "/until",

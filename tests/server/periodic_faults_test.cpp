@@ -35,6 +35,7 @@ class PeriodicFaults : public AskingForOrbits {
 
 TEST_F(PeriodicFaults, AreAnswersWithAReasonWhereNothingCloses) {
   expect_reason({{"problem", pendulum()}, {"initial", {{"a", 0}}}, {"period", 6.3}}, "the guess is at an equilibrium");
+  expect_reason({{"problem", pendulum()}, {"initial", {{"a", 0.5}, {"va", 1}}}, {"period", 1e-10}}, "far too short");
   const Json blows_up = custom(R"~({"variables": ["x"], "equations": {"x": "x^2"}})~");
   expect_reason({{"problem", blows_up}, {"initial", {{"x", 1}}}, {"period", 6}}, "beyond t = 0.99999");
   const Json falls = custom(R"~({"variables": ["x"], "potential": "x"})~");

@@ -111,8 +111,9 @@ class Closing {
     if (setting_.extents.empty()) return std::nullopt;
     if (at_rest(setting_.extents, guess.nodes[0])) {
       if (motion.autonomous()) {
-        answer_.reason = "nothing moves from the guess within the period: the guess is at an equilibrium, or the period is "
-                         "far too short";
+        answer_.reason =
+            "nothing moves from the guess within the period: the guess is at an equilibrium, or the period is "
+            "far too short";
         return std::nullopt;
       }
       // An equilibrium of a driven scene is itself an orbit of the drive's period, without an extent to be a unit.

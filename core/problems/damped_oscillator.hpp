@@ -82,9 +82,12 @@ struct About<problems::DampedOscillator> {
                       {"s", "s", "length²/time", "action", 0, true}},
         .span = 50,
         .suggested = {{"step", 0.1}, {"sigma", 0.15}},
-        .presets =
-            {{"critical", "at the edge between swinging and creeping", {{"damping", 2}}, {}},
-             {"overdamped", "a fast and a slow decay side by side: stiff", {{"damping", 100}}, {{"q", 1}, {"p", 0}}, {{"step", 0.02}}}},
+        .presets = {{"critical", "at the edge between swinging and creeping", {{"damping", 2}}, {}},
+                    {"overdamped",
+                     "a fast and a slow decay side by side: stiff",
+                     {{"damping", 100}},
+                     {{"q", 1}, {"p", 0}},
+                     {{"step", 0.02}}}},
         .references = {"Vermeeren, Bravetti, Seri, Contact variational integrators, J. Phys. A 52, 445206 (2019)"},
     };
   }

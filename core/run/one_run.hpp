@@ -192,7 +192,14 @@ class Run {
   }
   /// Saves all rows by time up to the state. A step is taken before the rows in it are saved, because it may go wrong,
   /// or an event in it may end the run.
-  bool save_due();
+  /// In steps of equal length rows say how the step before theirs was taken: `before` is the step before the last one.
+  bool save_due(const StepInfo& before);
+  /// The number of the whole step up to which a run goes for a row at the time `due`: the last one before the row, then
+  /// the one in which the row lies.
+  std::int64_t step_towards(double due) const;
+  /// The first time of rows within the step ahead, to the end, at which that step is outside the domain, to which it
+  /// may return; unknown if there is none.
+  double time_outside() const;
   /// The state at a time within the last step, by a Hermite polynomial between its ends.
   StepStatus between_ends_of_step(double t, RunState& x) const;
   /// How the last step, which ended in the state, was taken.

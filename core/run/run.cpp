@@ -22,7 +22,7 @@ bool Run::initialize() {
   diagnostics_.start(state_.x);
   evidence_.start(problem_, state_.x);
   if (diagnostics_.keeps_states()) snapshots_.see(state_);
-  if (!save_due() || (drawn_ < infinite && !save(state_.x, last_step()))) return false;
+  if (!save_due(last_step()) || (drawn_ < infinite && !save(state_.x, last_step()))) return false;
   const BlockResult result = integrator_->check_start(state_.x, guard_);
   return result || fail(result);
 }
@@ -31,9 +31,10 @@ bool Run::advance_block() {
   const std::int64_t n = state_.n;
   if (!save_passed() || !within_step_limit()) return false;
   const double due = this->due() < end_ ? this->due() : infinite;
+  const StepInfo before = last_step();
   const StepTarget target{
       std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_, schedule_.step(),
-                fixed_ && due < infinite ? grid_.step_after(due) : SaveSchedule::never,
+                fixed_ && due < infinite ? step_towards(due) : SaveSchedule::never,
                 diagnostics_.keeps_states() ? snapshots_.next(n) : SaveSchedule::never, evidence_.next(n)}),
       std::min(loop_end_, fixed_ ? infinite : due)};
   const BlockResult result =
@@ -52,7 +53,8 @@ bool Run::advance_block() {
     evidence_.see(problem_, state_);
   }
   const bool drawn = state_.n == n || state_.x.t > end_ || draw(state_.x.t);
-  return drawn && save_due() && (result || fail(result)) && within_budget(std::max<std::int64_t>(state_.n - n, 1));
+  return drawn && save_due(before) && (result || fail(result)) &&
+         within_budget(std::max<std::int64_t>(state_.n - n, 1));
 }
 
 void Run::record_method_switch() {
@@ -66,7 +68,12 @@ void Run::record_method_switch() {
                                      integrator_->discrete_energy_jump(state_, *was)));
 }
 
-bool Run::save_due() {
+std::int64_t Run::step_towards(double due) const {
+  const std::int64_t before = grid_.step_before(due);
+  return before > state_.n ? before : grid_.step_after(due);
+}
+
+bool Run::save_due(const StepInfo& before) {
   while (due() < end_ && due() <= state_.x.t) {
     RunState x = state_.x;
     StepStatus status = integrator_->state_at(state_, due(), x);
@@ -76,7 +83,7 @@ bool Run::save_due() {
       if (due() < state_.x.t) step_back();
       return status == StepStatus::ok ? leave_domain(due()) : fail(BlockResult::failed(status));
     }
-    if (!save_next(x, last_step())) return false;
+    if (!save_next(x, fixed_ && x.t < state_.x.t ? before : last_step())) return false;
   }
   for (; schedule_.step() == state_.n && state_.x.t <= end_; schedule_.next())
     if (kept_++ < most_rows_ && !save(state_.x, last_step())) return false;

@@ -13,6 +13,8 @@ void Run::finish() {
   if (ended_) return finish_at_event();
   if (fixed_ && grid_.tail > 0 && !within_step_limit()) return;
   if (!fixed_ && end_ < infinite && !draw(end_)) return;
+  if (const double outside_at = fixed_ ? time_outside() : unknown; !std::isnan(outside_at))
+    if (!leave_domain(outside_at)) return;
   const double before = state_.x.t;
   StepInfo step = last_step();
   if (const BlockResult result = integrator_->finish(state_, end_, guard_); !result) {
@@ -44,10 +46,25 @@ void Run::finish() {
   if (end_ < infinite && (!fixed_ || draw(end_))) save_rest(state_.x, step);
 }
 
+double Run::time_outside() const {
+  if (std::isnan(problem_.inside(state_.x))) return unknown;
+  SaveSchedule schedule = schedule_;
+  SectionTimes times = section_times_;
+  RunState x = state_.x;
+  for (;;) {
+    const double t = std::min(schedule.time(), times.time());
+    if (!(t < end_)) return unknown;
+    if (integrator_->state_at(state_, t, x) == StepStatus::ok && problem_.outside(x)) return t;
+    if (schedule.time() == t) schedule.next();
+    if (times.time() == t) times.next();
+  }
+}
+
 bool Run::save_rest(const RunState& x, const StepInfo& step) {
   while (due() <= x.t) {
     RunState y = x;
-    const StepStatus status = due() < x.t ? integrator_->state_at(state_, due(), y) : StepStatus::ok;
+    StepStatus status = due() < x.t ? integrator_->state_at(state_, due(), y) : StepStatus::ok;
+    if (status != StepStatus::ok && due() < state_.x.t) status = between_ends_of_step(due(), y);
     if (status != StepStatus::ok) return fail(BlockResult::failed(status));
     if (!save_next(y, step)) return false;
   }

@@ -59,13 +59,17 @@ template <class T>
 StepStatus SizedHerglotz<T>::stage(T* x, double t, double h) {
   for (std::size_t i = 0; i < start_.size(); ++i) start_[i] = plain_number(x[i]);
   scene_->rate.evaluate(start_.data(), t, rate_.data());
-  double size = 0;  // size of velocities: changes that do not change the place are round-off
+  double size = 0;  // of velocities and σ: changes that do not change the place and s are round-off
   for (std::size_t i = 0; i < n_; ++i) {
     size += std::abs(start_[i]);
     z_[i] = T(path_ == SizedPath::straight ? rate_[i] : 0.5 * rate_[i]);
     if (path_ == SizedPath::parabola) z_[n_ + i] = T(rate_[i]);
   }
-  if (unknowns_ > n_ && path_ == SizedPath::straight) z_[n_] = T(rate_[2 * n_]);
+  const bool solves_for_action = unknowns_ > n_ && path_ == SizedPath::straight;
+  if (solves_for_action) {
+    size += std::abs(start_[2 * n_]);
+    z_[n_] = T(rate_[2 * n_]);
+  }
   size /= std::abs(h);
   const auto residual = [&](const T* z, T* wrong) {
     work_.forces += looks_;
@@ -120,6 +124,7 @@ StepStatus SizedHerglotz<T>::solve_closely(const T* x, double t, double h) {
   double size = 0, known = 0;
   for (const T& c : z_) known += 2 * std::abs(plain_number(c));
   for (std::size_t i = 0; i < n_; ++i) size += 8 * epsilon * std::abs(start_[i] / h);
+  if (unknowns_ > n_ && path_ == SizedPath::straight) size += 8 * epsilon * std::abs(start_[2 * n_] / h);
   for (int round = 0, late = late_rounds<T>; round < most_rounds; ++round) {
     work_.forces += looks_;
     ++work_.iterations;

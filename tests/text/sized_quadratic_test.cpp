@@ -55,6 +55,16 @@ TEST(SizedQuadratic, ManyThatMoveAlikeMoveAsTheCompiledOne) {
   for (const char* scheme : implicit_schemes) expect_one_motion(scheme, 16);
 }
 
+/// Where s has come to rest at √(2R/γ), what moves it is a difference of equal terms: their rounding is no error of a
+/// step.
+TEST(SizedQuadratic, StepsGoOnWhereAllComesToRest) {
+  for (const char* scheme : implicit_schemes) {
+    const Solution outcome = runs::go(stepped(scheme, oscillators(1), {0.5, 0.3, -1}, 40, 0.05)).outcome;
+    EXPECT_EQ(outcome.stop.reason, ReturnCode::completed) << scheme << ' ' << outcome.stop.detail;
+    EXPECT_NEAR(outcome.final.back(), std::sqrt(2.0), 1e-9) << scheme;
+  }
+}
+
 TEST(SizedQuadratic, SchemesHaveTheirOrdersAndKeepTheForm) {
   constexpr int n = 12;
   const auto start = start_of(n, 0.3);

@@ -11,6 +11,7 @@
 #include "core/clock.hpp"
 #include "core/ensemble/lane_members.hpp"
 #include "core/ensemble/lone_members.hpp"
+#include "core/ensemble/members_at_poles.hpp"
 #include "core/run/save_schedule.hpp"
 #include "core/run/section_times.hpp"
 
@@ -163,7 +164,8 @@ class Blocks {
     block.held = Held(memory_);
     for (const HistogramAsked& asked : plan_.histograms)
       block.held.add(sizeof(std::int64_t) * static_cast<std::size_t>(asked.bins));
-    if (!run_lane_members(plan_, columns_, block, stop_)) run_lone_members(plan_, columns_, block, stop_);
+    if (any_meets_pole(plan_, block) || !run_lane_members(plan_, columns_, block, stop_))
+      run_lone_members(plan_, columns_, block, stop_);
     if (!stop_) sum_up(plan_, block.harvest);
     return block;
   }

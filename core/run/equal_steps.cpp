@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "core/run/damping_pole.hpp"
 
 namespace least {
 namespace {
@@ -41,9 +42,9 @@ BlockResult EqualSteps::advance(IntegrationState& state, StepTarget target, Step
 
 BlockResult EqualSteps::finish(IntegrationState& state, double end, StepGuard& guard) {
   if (!(state.x.t < end)) return {};
-  if (!(end < damping_pole())) return BlockResult::failed(StepStatus::singular);
   const IntegrationState last = state;
   left_ = last.x;
+  if (!(end < damping_pole())) return BlockResult::failed(StepStatus::singular);
   keep_stepper();
   BlockResult result;
   result.status = covered_by_series(state.n, end) ? from_series(state.x, end) : last_step(state.x, grid_.tail);
@@ -142,31 +143,8 @@ bool EqualSteps::reaches_pole(StateView x) const {
 }
 
 double EqualSteps::damping_pole() {
-  constexpr int looks = 256, first = 20, halvings = 60;
-  constexpr double sharply = 1e4;  // a pole grows by this factor after the first halvings, a zero or a jump does not
-  if (damping_pole_) return *damping_pole_;
-  damping_pole_ = never;
-  const ProblemTraits& traits = problem_.traits;
-  if (of_rates_alone() || !traits.linear_contact || traits.constant_damping || problem_.period() > 0) return never;
-  const double span = (grid_.end - grid_.start) / looks;
-  for (int k = 0; k < looks; ++k) {
-    double low = grid_.start + k * span, high = low + span;
-    const double before = problem_.damping(low), after = problem_.damping(high);
-    if (!std::isfinite(before)) {
-      if (k == 0) continue;  // start_objection has checked the start
-      return *(damping_pole_ = low);
-    }
-    if (std::isfinite(after) && !(before * after < 0)) continue;
-    double size = std::abs(before), early = size;
-    for (int i = 0; i < halvings && std::isfinite(size); ++i) {
-      const double middle = std::midpoint(low, high), damping = problem_.damping(middle);
-      (damping * before > 0 ? low : high) = middle;
-      size = std::abs(damping);
-      if (i == first) early = size;
-    }
-    if (!(size <= sharply * early)) return *(damping_pole_ = low);
-  }
-  return never;
+  if (!damping_pole_) damping_pole_ = least::damping_pole(problem_, grid_.start, grid_.end);
+  return *damping_pole_;
 }
 
 BlockResult EqualSteps::seen_block(IntegrationState& state, std::int64_t count, StepGuard& guard,

@@ -11,6 +11,7 @@
 #include "core/run/acts.hpp"
 #include "core/run/budget.hpp"
 #include "core/run/crossings.hpp"
+#include "core/run/damping_pole.hpp"
 #include "core/run/evidence.hpp"
 #include "core/run/integrator.hpp"
 #include "core/run/messages.hpp"
@@ -65,7 +66,8 @@ class Run {
   Solution solve() {
     const AskedByThread asked(budget_.in_time());
     state_.x = problem_.start(scene_.initial, scene_.start);
-    integrator_ = backend_.bind(request_, state_.x, grid_, end_);
+    damping_pole_ = damping_pole(problem_, state_.x.t, end_);
+    integrator_ = backend_.bind(request_, state_.x, grid_, std::min(end_, own_clock_end()));
     method_ = integrator_->method();
     shows_discrete_energy_ = std::ranges::any_of(
         request_.columns, [&](std::size_t i) { return request_.column(i).name == "discrete_energy"; });
@@ -251,6 +253,17 @@ class Run {
   /// The time at which the true motion from the start becomes infinite, if that is near the present time; else unknown.
   double true_singularity();
   bool stop_as_unstable();
+  /// own_clock_end returns the time that a scheme with its own clock does not pass because the damping is infinite soon
+  /// after: one where a millionth of the way to that pole is left, since steps may become ever shorter towards it.
+  /// Infinite without a pole, and for equal steps, which look for it themselves.
+  double own_clock_end() const {
+    constexpr double left = 1e-6;
+    return fixed_ || damping_pole_ == infinite ? infinite : damping_pole_ - left * (damping_pole_ - scene_.start);
+  }
+  /// stop_at_pole ends the run of a scheme with its own clock before the pole of the damping.
+  bool stop_at_pole();
+  /// Returns the pole of the damping if it lies so close ahead that it is why a step failed, else `unknown`.
+  double pole_ahead() const;
   double nominal_step() const { return request_.setting("step", scheme_); }
   /// leave_domain handles a next step that ends outside the domain, or is outside at `outside_at`: the run goes on to
   /// the boundary, or to its end if that comes first.
@@ -270,7 +283,8 @@ class Run {
   double loop_end_;  ///< steps go on until one reaches this time; infinite if the run ends by the number of steps
   double end_;       ///< the time of the final state; infinite where it is not known beforehand
   double planned_end_ = end_;
-  std::int64_t last_step_;  ///< steps go on until there are this many
+  double damping_pole_ = infinite;  ///< the first time ahead at which the damping is infinite
+  std::int64_t last_step_;          ///< steps go on until there are this many
   SaveSchedule schedule_;
   double drawn_;  ///< time up to which samples draw the curve; infinite where they do not
   SectionTimes section_times_;

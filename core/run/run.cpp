@@ -36,9 +36,10 @@ bool Run::advance_block() {
       std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_, schedule_.step(),
                 fixed_ && due < infinite ? step_towards(due) : SaveSchedule::never,
                 diagnostics_.keeps_states() ? snapshots_.next(n) : SaveSchedule::never, evidence_.next(n)}),
-      std::min(loop_end_, fixed_ ? infinite : due)};
+      std::min({loop_end_, own_clock_end(), fixed_ ? infinite : due})};
   const BlockResult result =
       integrator_->advance(state_, target, guard_, diagnostics_.sees_steps() ? &diagnostics_ : nullptr);
+  if (result && !(state_.x.t < own_clock_end())) return stop_at_pole();
   const bool crossed = diagnostics_.clear_crossed();
   if (crossed) locate_sections();
   record_method_switch();

@@ -8,6 +8,13 @@
 #include "core/run/stop_reason.hpp"
 
 namespace least {
+namespace {
+
+Message infinite_damping(double pole) {
+  return "the damping becomes infinite at " + Message::time(pole) + ": no motion leads across";
+}
+
+}  // namespace
 
 void Run::finish() {
   if (ended_) return finish_at_event();
@@ -106,7 +113,7 @@ bool Run::start_anew() {
   }
   end_ = planned_end_;
   put_aside_ = work();
-  integrator_ = backend_.bind(request_, state_.x, grid_, end_);
+  integrator_ = backend_.bind(request_, state_.x, grid_, std::min(end_, own_clock_end()));
   keep_last_step();
   method_ = integrator_->method();
   began_ = state_.x.t;
@@ -143,8 +150,10 @@ bool Run::fail(const BlockResult& result) {
     if (const ReturnCode reason = budget_.look(); reason != ReturnCode::completed) return goes_on(reason);
   if (result.end == BlockEnd::left_domain) return leave_domain();
   if (result.end == BlockEnd::too_fast) return stop_as_unstable();
-  const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
   std::string words = integrator_->failure();
+  if (const double pole = pole_ahead(); std::isfinite(pole))
+    return stop(ReturnCode::singular, words.empty() ? infinite_damping(pole) : Message(words), pole);
+  const double when = result.end == BlockEnd::not_finite && fixed_ ? unknown : true_singularity();
   if (words.empty() && scheme_.id == "adaptive_verlet" && result.status == StepStatus::singular)
     words = messages::density_lost();
   const auto why = stop_reason(result, fixed_, method_.has_value(), words, when);
@@ -170,6 +179,19 @@ double Run::true_singularity() {
                                             [&] { return left-- > 0 && keep_going(); });
   }
   return unknown;
+}
+
+bool Run::stop_at_pole() {
+  if (!(state_.x.t < damping_pole_)) step_back();
+  return stop(ReturnCode::singular, infinite_damping(damping_pole_), damping_pole_);
+}
+
+double Run::pole_ahead() const {
+  constexpr double few_steps = 10, near = 1e-5;
+  const double gone = state_.x.t - scene_.start, left = damping_pole_ - state_.x.t;
+  double step = grid_.step;
+  if (!fixed_ && !integrator_->failure().empty() && state_.n > 0) step = gone / static_cast<double>(state_.n);
+  return left <= std::max(few_steps * step, near * (gone + left)) ? damping_pole_ : unknown;
 }
 
 bool Run::stop_as_unstable() {

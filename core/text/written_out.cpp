@@ -6,6 +6,7 @@
 #include "core/text/characters.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/text_reader.hpp"
+#include "core/text/unused_definitions.hpp"
 
 namespace least::text {
 namespace {
@@ -58,6 +59,7 @@ class SceneWriter {
       if (declared) write_texts();
     } while (faults_.empty() && vocabulary_.fixed != used_);
     if (faults_.empty()) read_unused();
+    if (faults_.empty()) faults_ = unknown_names_in_unused(*typed_, vocabulary_);
     if (!faults_.empty()) return std::move(faults_);
     Definition& made = out_.definition_;
     if (!sums_.all.empty()) made.sums = std::make_shared<const KeptSums>(std::move(sums_));

@@ -65,6 +65,39 @@ std::vector<std::string> pointers_of(const Reply& reply) {
 
 // A fault in the scene hides no fault in the rest of the request, which is read with the names that the scene declares
 // nevertheless; and no fault is told that vanishes when the scene is corrected.
+// A definition that the mechanics do not use is read by columns and events, which know no other names.
+TEST_F(CustomFaults, NamesInUnusedDefinitionsAreKnown) {
+  const auto reply_to = [&](const std::string& definitions) {
+    return ask(port(), post("/v1/problems", R"({"problem":{"id":"custom","variables":["x[3]","y"],"potential":"y^2/2+w",
+        "parameters":{"m":[1,2,3],"k":2},"definitions":{"w":"k*x[1]^2",)" +
+                                                definitions + "}}}"));
+  };
+  for (const char* good : {R"~("r":"vx[2]*py*t*s*energy*pi+1e5*m[3]+2.5e-3*k")~",
+                           R"~("d(i,j)":"sum(l = i..j, if(l == 2 and not y < 0, w, x[l]))")~",
+                           R"~("e":"prod(i=1..3, m[mod(i,3)+1])","f(i)":"e*abs(x[i])")~"})
+    EXPECT_EQ(reply_to(good).status, 200) << good << reply_to(good).body;
+  const struct {
+    const char* definitions;
+    const char* pointer;
+    int position;
+    const char* name;
+  } rows[] = {{R"~("r":"sqrt(y^2+foo^2)")~", "/problem/definitions/r", 9, "foo"},
+              {R"~("d(i)":"x[i]-x[j]")~", "/problem/definitions/d(i)", 7, "j"},
+              {R"~("a":"bar","b":"a+1")~", "/problem/definitions/a", 0, "bar"},
+              {R"~("g":"1e5*vz")~", "/problem/definitions/g", 4, "vz"}};
+  for (const auto& [definitions, pointer, position, name] : rows) {
+    const Json fault = only_fault(reply_to(definitions));
+    EXPECT_EQ(fault["pointer"], pointer) << fault;
+    EXPECT_EQ(fault["position"], position) << fault;
+    EXPECT_EQ(fault["detail"].get<std::string>().find("nobody knows the name " + std::string(name)), 0U) << fault;
+    EXPECT_NE(fault["allowed"].get<std::string>().find("x, vx, px, y, vy, py, k, m, w"), std::string::npos) << fault;
+  }
+  std::string many;
+  for (int i = 0; i < 4000; ++i) many += (i > 0 ? ",\"a" : "\"a") + std::to_string(i) + "\":\"zz\"";
+  const Json document = Json::parse(reply_to(many).body);
+  EXPECT_EQ(document["errors"].size(), 100U);
+}
+
 TEST_F(CustomFaults, OfASceneHideNothingOfTheRequest) {
   const struct {
     const char *path, *request;

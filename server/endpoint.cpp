@@ -10,6 +10,7 @@
 #include "server/decode/scene_files.hpp"
 #include "server/encode/problem_document.hpp"
 #include "server/http/accept.hpp"
+#include "server/http/outbox.hpp"
 #include "server/http/request_reader.hpp"
 
 namespace least::server {
@@ -59,6 +60,24 @@ Answer busy(const Context& context, const HttpRequest& request, std::string_view
   Answer answer = problem_document(503, why, request.id);
   answer.headers.emplace_back("Retry-After", std::to_string(context.admission.retry_after()));
   return answer;
+}
+
+Answer no_room(const Context& context, const HttpRequest& request, std::string_view pointer, std::string_view what,
+               std::size_t own, std::size_t need) {
+  // What this request is charged besides: its body, read as JSON, and its answer on the way.
+  constexpr std::size_t little = (std::size_t{1} << 20) + most_of_a_stream;
+  const std::size_t most = context.memory.most(), held = context.memory.held();
+  if (need <= most && held > own + little)
+    return busy(context, request, fmt::format("other requests hold the memory that {} need: ask again later", what));
+  Faults faults;
+  faults.add(
+      {std::string(pointer),
+       fmt::format("{} need {} bytes of memory or more, and all requests together have {}: ask for fewer columns, "
+                   "rows or points, or for a lower limits.samples",
+                   what, need, most),
+       {},
+       fmt::format("what needs less than {} bytes; --max-memory allows more", most)});
+  return problem_document(faults, request.id);
 }
 
 ReturnCode end_of(const CancellationWatch& watch) {

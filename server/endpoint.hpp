@@ -47,6 +47,12 @@ Result<ParsedJson, Answer> json_of(const Context& context, const HttpRequest& re
 /// busy returns 503, with the time after which to try again.
 Answer busy(const Context& context, const HttpRequest& request, std::string_view why);
 
+/// no_room answers a request whose `what`, at a place of it, found no memory: 503 where other requests hold memory,
+/// which they will give back; else 422, since asking again would not help. `own` is what the request still holds,
+/// `need` what it needs at least, in bytes.
+Answer no_room(const Context& context, const HttpRequest& request, std::string_view pointer, std::string_view what,
+               std::size_t own, std::size_t need);
+
 /// end_of returns why a watched computation ended: `deadline`, `cancelled`, or `completed` where it was not
 /// interrupted.
 ReturnCode end_of(const CancellationWatch& watch);

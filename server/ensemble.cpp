@@ -157,6 +157,12 @@ struct WholeEnsemble {
         pieces(pieces_of_ensemble(plan, cards, computed.all, computed.end, notation)) {}
 };
 
+// place_of_rows returns the field that asks for the most rows of each member.
+std::string_view place_of_rows(const EnsemblePlan& plan) {
+  if (plan.request.section && section_count(plan) >= row_count(plan)) return "/section";
+  return plan.trajectories ? "/record" : "/members/count";
+}
+
 Answer answer_ensemble(const Context& context, const HttpRequest& request, EnsemblePlan&& plan, std::string_view form,
                        std::shared_ptr<Places> places) {
   const std::string scheme(context.cards.schemes[plan.request.scheme].id);
@@ -173,9 +179,8 @@ Answer answer_ensemble(const Context& context, const HttpRequest& request, Ensem
   Computed computed = compute(plan, context, request.gone, *places,
                               [&plan](Computed& sums, Block& block) { return keep(plan, sums, block); });
   if (computed.end.reason == ReturnCode::memory && is_empty(computed.all))
-    return busy(context, request,
-                fmt::format("no block of members has room: {}; a lower limits.samples needs less",
-                            full_memory(context.memory)));
+    return no_room(context, request, place_of_rows(plan), "a block of members and its points", computed.held.bytes(),
+                   bytes_of_block(plan));
   places->leave();
   const Harvest& all = computed.all;
   const std::size_t numbers =
@@ -200,6 +205,8 @@ Prepared run_ensemble_request(const Context& context, const HttpRequest& request
   if (!parsed) return parsed.error();
   auto plan = decode_ensemble(std::move(*parsed), context.cards, context.caps);
   if (!plan) return problem_document(plan.error(), request.id);
+  if (const std::size_t need = bytes_of_block(*plan); need > context.memory.most())
+    return no_room(context, request, place_of_rows(*plan), "the points and rows of a block of members", 0, need);
   return Job([&context, request, form = forms[*form],
               shared = std::make_shared<EnsemblePlan>(std::move(*plan))](Admission::Pass pass) {
     pass.may_take(shared->request.limits.seconds);

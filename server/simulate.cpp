@@ -128,7 +128,12 @@ Answer answer_whole(const SharedTask& task, const HttpRequest& question, const F
     const CancellationWatch watch(task->context().cancelled, question.gone);
     ended = task->run(*rows, watch.cancelled());
   }
-  if (rows->overflowed()) return busy(task->context(), question, full_memory(task->context().memory));
+  if (rows->overflowed()) {
+    const bool by_points = rows->points.overflowed();
+    const std::size_t held = rows->bytes();
+    return no_room(task->context(), question, by_points ? "/section" : "/record",
+                   by_points ? "the points of the section" : "the samples", held, held + KeptRows::bytes_of_block);
+  }
   const FinishedRun run = finished(*task, ended, *rows);
   Answer answer;
   const auto numbers = [](const KeptRows& kept) { return kept.rows() * kept.columns(); };

@@ -249,6 +249,17 @@ std::size_t row_count(const EnsemblePlan& plan) {
   return count;
 }
 
+std::size_t bytes_of_block(const EnsemblePlan& plan) {
+  constexpr std::size_t of_a_point = 3;  // numbers beside the columns: its member, crossing and time
+  const auto members =
+      static_cast<std::size_t>(std::min(plan.last, (plan.first_block() + 1) * block_size) - plan.first);
+  const std::size_t columns = plan.request.columns.size();
+  std::size_t numbers = members * row_count(plan) * columns;
+  if (const std::size_t points = section_count(plan); points > 0)
+    numbers += std::min(members * points, static_cast<std::size_t>(plan.request.most_points())) * (columns + of_a_point);
+  return numbers * sizeof(double);
+}
+
 std::vector<Look> looks_of(const EnsemblePlan& plan) {
   std::vector<Look> looks;
   looks.reserve(section_count(plan) + row_count(plan));

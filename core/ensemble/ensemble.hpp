@@ -41,6 +41,10 @@ std::vector<Look> looks_of(const EnsemblePlan& plan);
 std::size_t section_count(const EnsemblePlan& plan);
 std::size_t row_count(const EnsemblePlan& plan);
 
+/// bytes_of_block returns the memory of the points of a section by time and of the rows of trajectories that the first
+/// block of members keeps until it is handed over: no block can be computed with less.
+std::size_t bytes_of_block(const EnsemblePlan& plan);
+
 /// Shard selects the blocks whose number is `index` modulo `of`.
 struct Shard {
   std::int64_t index = 0, of = 1;

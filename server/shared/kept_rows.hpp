@@ -56,12 +56,16 @@ class KeptRows final : public RowSink {
     const std::size_t each = slices_of(block_size());
     return (i / each * block_size() + i % each * slice_size()) / columns_;
   }
+  /// The bytes of all rows, and about those that the next block of rows takes.
+  std::size_t bytes() const { return held_.bytes(); }
+  static constexpr std::size_t bytes_of_block = std::size_t{1} << 20;  ///< beyond malloc's threshold, so that the
+                                                                       ///< memory is unmapped when it is freed
   /// overflowed() tells whether rows were rejected.
   bool overflowed() const { return overflowed_; }
 
  private:
   std::size_t block_size() const {
-    constexpr std::size_t numbers = 128 * 1024;  // a mebibyte: beyond malloc's threshold, unmapped when it is freed
+    constexpr std::size_t numbers = bytes_of_block / sizeof(double);
     return std::max<std::size_t>(numbers / columns_, 1) * columns_;
   }
   std::size_t slice_size() const { return std::max<std::size_t>(16 * 1024 / columns_, 1) * columns_; }
@@ -101,6 +105,7 @@ struct KeptRun final : RowSink {
   bool append(std::span<const double> rows) override { return samples.append(rows); }
   bool append_section(std::span<const double> rows) override { return points.append(rows); }
   bool overflowed() const { return samples.overflowed() || points.overflowed(); }
+  std::size_t bytes() const { return samples.bytes() + points.bytes(); }
 };
 
 }  // namespace least::server

@@ -3,11 +3,13 @@
 
 #include <chrono>
 #include <cstring>
+#include <set>
 #include <sstream>
 #include <thread>
 
 #include "server/decode/json_parse.hpp"
 #include "tests/server/client.hpp"
+#include "tests/server/faults.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
@@ -234,6 +236,37 @@ TEST_F(Forms, CountsBeyondTheExactOnesAreRefused) {
   EXPECT_EQ(status("9007199254740992"), 200);
   EXPECT_EQ(status("9007199254740993"), 422);
   EXPECT_EQ(status("18446744073709551615"), 422);
+}
+
+// What has no room although no other request holds any is a fault of the request: to ask again would not help.
+TEST(Memory, ThatNobodyElseHoldsIsAFaultOfTheRequest) {
+  Settings settings = quiet_settings();
+  settings.max_memory = 1 << 20;  // one largest answer fits in any case
+  const auto expect_fault = [](int port, const char* path, const std::string& body, std::set<std::string> places) {
+    const Reply reply = ask(port, post(path, body));
+    ASSERT_EQ(reply.status, 422) << reply.body.substr(0, 500);
+    const Json fault = only_fault(reply);
+    EXPECT_TRUE(places.contains(fault["pointer"])) << fault;
+    EXPECT_NE(fault["detail"].get<std::string>().find(" bytes of memory"), std::string::npos) << fault;
+    EXPECT_NE(fault["allowed"].get<std::string>().find("--max-memory"), std::string::npos) << fault;
+  };
+  const std::string ensemble = R"({"problem":"kepler","scheme":{"id":"leapfrog","step":0.01},"until":{"t":100},
+      "section":{"period":0.01,"phase":0},"columns":["t","x","y"],"keep":["section"],
+      "members":{"count":4096,"vary":{"/initial/x":{"uniform":[0,0.1]}}},"limits":{"samples":10000000}})";
+  {
+    Service service(settings, page_assets);
+    ASSERT_FALSE(service.start());
+    expect_fault(service.port(), "/v1/ensemble", ensemble, {"/section"});
+    const Reply lines = ask(service.port(), post("/v1/ensemble", ensemble, "Accept: application/x-ndjson\r\n"));
+    EXPECT_EQ(lines.status, 422) << lines.body.substr(0, 500);
+  }
+  settings.caps.samples = 1'000'000;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  expect_fault(service.port(), "/v1/simulate",
+               R"({"problem":"kepler","scheme":{"id":"leapfrog","step":0.01},"until":{"steps":180000},
+                   "record":{"every":1},"section":{"period":0.01,"phase":0}})",
+               {"/section", "/record"});
 }
 
 // All answers together hold no more memory than the limit; a client that reads makes room for others.

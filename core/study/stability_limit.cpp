@@ -10,6 +10,7 @@
 #include "core/run/warnings.hpp"
 #include "core/study/error_study.hpp"
 #include "core/study/true_growth.hpp"
+#include "core/text/scene.hpp"
 
 namespace least {
 namespace {
@@ -294,8 +295,13 @@ StabilityLimit longest_stable_step_of(const Request& scene, const SchemeConfig& 
     return limit;
   }
   const double most = std::min(run.span(), dial.range.high);
-  const bool grows_undamped = motion.damping == 0 && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0;
-  if (grows_undamped && motion.energy > 0) {
+  // Equations whose divergence vanishes only in the mean of a turn, as those of Lotka and Volterra, have no single
+  // damping, but may be undamped all the same.
+  const text::TextScene* const text = scene.scene->mechanics->text();
+  const bool is_flow = text && text->form->kind == text::FormKind::flow,
+             may_be_undamped = motion.damping == 0 || (is_flow && std::isnan(motion.damping)),
+             grows_undamped = may_be_undamped && stability_bound(scheme.scheme, scheme.settings, 0, 0) == 0;
+  if (grows_undamped && motion.damping == 0 && motion.energy > 0) {
     // By linear theory every step grows, but not if the motion has nothing to grow, as a free motion or rest.
     if (any_fails(run, dial.index, most, cancelled)) {
       limit.step = limit.theory = 0;

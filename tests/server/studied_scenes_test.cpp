@@ -38,6 +38,17 @@ TEST_F(StudiedScenes, WhatIsNotDampedGrowsAtEveryStepOfSomeSchemes) {
     }
 }
 
+// Their divergence, 1 - v + u - 1, vanishes only in the mean of a turn about the centre.
+TEST_F(StudiedScenes, TheEquationsOfLotkaAndVolterraAreUndamped) {
+  const Json prey = custom(R"~({"variables":["u","v"],"equations":{"u":"u*(1-v)","v":"v*(u-1)"}})~");
+  for (const double start : {2.0, 1.01}) {
+    const Json found = limit(prey, {{"u", start}, {"v", 1}}, "explicit_euler");
+    EXPECT_EQ(found["step"], 0) << start << found;
+    EXPECT_EQ(found["failure"], "energy_growth") << start << found;
+  }
+  EXPECT_GT(limit(prey, {{"u", 2}, {"v", 1}}, "runge_kutta_4")["step"], 1);
+}
+
 // Damped, stable where |1 + hλ| <= 1: λ = -0.5 ± i sqrt(0.75), h <= 1. A saddle grows by itself; its other direction
 // is stable up to h = 2. Undamped, but stable: Runge and Kutta's up to 2 sqrt(2).
 TEST_F(StudiedScenes, OtherEquationsHaveAStep) {

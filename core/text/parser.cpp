@@ -111,7 +111,11 @@ class Parser {
     const auto found = std::find(functions.begin(), functions.end(), word);
     if (found == functions.end()) {
       skip_space();
-      if (at_ < text_.size() && text_[at_] == '(')
+      const bool called = at_ < text_.size() && text_[at_] == '(';
+      if (called && word == "mod")  // it is known, but not here
+        return Fault{from, "mod is of whole numbers alone: of indices in brackets, in bounds and in conditions",
+                     "as q[mod(i, n) + 1]"};
+      if (called)
         return Fault{from, std::string(word) + " is no function, and a product needs its sign", listed_functions(),
                      std::string(word)};
       postfix.push_back({.kind = TokenKind::name, .position = static_cast<std::uint32_t>(from), .word = word});

@@ -73,6 +73,7 @@ TEST(Text, SaysWhatIsWrongAndWhere) {
       {"(x)(y)", 3, "a product needs its sign"},
       {"2 + x (y)", 4, "a product needs its sign"},
       {"x+lg(y)", 2, "lg is no function"},
+      {"2*mod(x,1.31)", 2, "mod is of whole numbers alone"},
       {"x***2", 3, "a number, a name or ( is due"},
       {"(x+y", 0, "is never closed"},
       {"x+((y)", 2, "is never closed"},

@@ -168,11 +168,15 @@ TEST_F(PeriodicFaults, LimitsOfFamiliesAreTold) {
   }
 }
 
-// The derivatives of such long equations, written out, would exceed the limit of a tape; the answer says only that the
-// guess is at an equilibrium.
+// The derivatives of such long equations, written out, would exceed the limit of a tape. They are followed all the
+// same, as far as the limits of the request go; and where nothing moves, that is what is told.
 TEST_F(PeriodicFaults, LongEquationsAreTold) {
   const Json problem = custom(R"~({"variables": ["x[32]"], "potential":
       "sum(i=1..32, j=i+1..32, (1+sin(x[i]-x[j])^2)*exp(-(x[i]-x[j])^2)*sqrt(2+cos(x[i]*x[j])))"})~");
+  Json places = Json::array();
+  for (int i = 0; i < 32; ++i) places.push_back(0.3 * i + 0.01 * i * i);
+  expect_reason({{"problem", problem}, {"initial", {{"x", places}}}, {"period", 3}, {"limits", {{"steps", 3}}}},
+                "the steps that the request has were taken");
   expect_reason({{"problem", problem}, {"period", 3}}, "the guess is at an equilibrium");
 }
 

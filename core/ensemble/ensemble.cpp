@@ -256,7 +256,8 @@ std::size_t bytes_of_block(const EnsemblePlan& plan) {
   const std::size_t columns = plan.request.columns.size();
   std::size_t numbers = members * row_count(plan) * columns;
   if (const std::size_t points = section_count(plan); points > 0)
-    numbers += std::min(members * points, static_cast<std::size_t>(plan.request.most_points())) * (columns + of_a_point);
+    numbers +=
+        std::min(members * points, static_cast<std::size_t>(plan.request.most_points())) * (columns + of_a_point);
   return numbers * sizeof(double);
 }
 

@@ -81,9 +81,9 @@ class EqualSteps : public Integrator {
   /// reaches_pole returns whether −γ s h > 2 where H has γs²/2: then a step by the exact flow of s reaches the pole of
   /// ṡ = −γs²/2.
   bool reaches_pole(StateView x) const;
-  /// damping_pole returns the first time after the start at which the damping is infinite with a change of sign, as 2/t
-  /// at t = 0: no factor e^{−∫α} exists across it. It is searched once, at 256 points of the span; infinite where none
-  /// is found.
+  /// damping_pole returns the first time after the start at which the damping is infinite, as 2/t at t = 0: no factor
+  /// e^{−∫α} exists across it. The search is that of core/run/damping_pole.hpp, made once, when a step first asks; the
+  /// result is infinite where none is found.
   double damping_pole();
   BlockResult take_steps(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);
   BlockResult replay(IntegrationState& state, std::int64_t count, StepGuard& guard, DiagnosticSet* diagnostics);

@@ -55,7 +55,7 @@ class GrowthSoFar {
 }  // namespace
 
 std::optional<Sensitivity> sensitivity(const RunBackend& backend, RunState x, std::span<const RunState> states,
-                                       Norm norm, std::span<const double> sizes, double large,
+                                       Norm norm, std::span<const double> sizes, double large, double own_noise,
                                        std::int64_t most_operations, const KeepGoing& keep_going) {
   const ProblemTable& problem = backend.motion();
   const std::size_t count = problem.traits.components;
@@ -117,7 +117,7 @@ std::optional<Sensitivity> sensitivity(const RunBackend& backend, RunState x, st
   if (drowned && growth > kept * drowned_growth) return Sensitivity{lost ? std::min(*lost, *drowned) : *drowned, rate};
   if (drowned || !growths.exponential(start)) return std::nullopt;
   if (lost) return Sensitivity{*lost, rate};
-  const double foreseen = start + std::log(large / (rounding * std::max(size, 1.0))) / rate;
+  const double foreseen = start + std::log(large / (std::max(own_noise, rounding) * std::max(size, 1.0))) / rate;
   if (goes_on && path.time() < end && foreseen < end) return Sensitivity{foreseen, rate};
   return std::nullopt;
 }

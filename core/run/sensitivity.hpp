@@ -21,10 +21,11 @@ struct Sensitivity {
 
 /// sensitivity compares a run from x with the true motion; `states` of the run are at increasing times. `large` is the
 /// error from which on no digit of a state is right, divided by `sizes` as in state_error. Empty where the last state
-/// still has right digits, as far as `most_operations` tell. Throws TooManyOperations where the derivatives of the
-/// equations take too many.
+/// still has right digits, as far as `most_operations` tell. `own_noise` is the relative size of the differences that
+/// the run's own steps make, at least that of rounding: beyond what the operations suffice for, they tell when no digit
+/// will be left. Throws TooManyOperations where the derivatives of the equations take too many.
 std::optional<Sensitivity> sensitivity(const RunBackend& backend, RunState x, std::span<const RunState> states,
-                                       Norm norm, std::span<const double> sizes, double large,
+                                       Norm norm, std::span<const double> sizes, double large, double own_noise,
                                        std::int64_t most_operations, const KeepGoing& keep_going);
 
 }  // namespace least

@@ -131,7 +131,9 @@ std::optional<Sensitivity> sensitivity_of(const FinishedRun& run) {
   const auto states = run.evidence.states();
   const auto sizes = divisors_along(run.backend, start, {states.begin(), states.end()}, run.request.norm,
                                     kinds_of(scene.card()), run.keep_going);
-  return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, allowed, run.keep_going);
+  constexpr double share = 0.1;  // of the tolerance, by which steps are off in fact
+  const double noise = run.scheme.find("tolerance") ? share * run.request.setting("tolerance", run.scheme) : 0;
+  return sensitivity(run.backend, start, states, run.request.norm, sizes, large_error, noise, allowed, run.keep_going);
 }
 
 /// warn_of_rest warns of a scene given as text that starts at 0 in all variables and rests there: most likely the start

@@ -34,6 +34,16 @@ double apart(const std::vector<double>& a, const std::vector<double>& b) {
   return most;
 }
 
+// The motion is too long to be followed with a tangent by the operations allowed; how fast differences grow until then
+// tells when those that the tolerance leaves are as large as the motion. The run is off by a tenth at its end.
+TEST(SensitiveEnd, IsForeseenFromTheToleranceOfARun) {
+  const auto result = go(until(controlled(of("thermostat", {"taylor"}, {})), 100));
+  ASSERT_TRUE(warned(result, "sensitive_end"));
+  EXPECT_GT(named_time(result), 60);
+  EXPECT_LT(named_time(result), 95);
+  EXPECT_FALSE(warned(go(until(controlled(of("thermostat", {"taylor"}, {})), 40)), "sensitive_end"));
+}
+
 // Random Hénon–Heiles orbits between a sixth of the escape energy and all of it: two unrelated schemes, each at the
 // best accuracy it can reach, show whether the end is noise, and until when they agree.
 TEST(SensitiveEnd, IsSaidWhereTwoSchemesPartAndNowhereElse) {

@@ -193,8 +193,8 @@ class Run {
     return (!sample || save(x, step)) && (!point || save_point(x, step)) && within_budget(1);
   }
   /// Saves all rows by time up to the state. A step is taken before the rows in it are saved, because it may go wrong,
-  /// or an event in it may end the run.
-  /// In steps of equal length rows say how the step before theirs was taken: `before` is the step before the last one.
+  /// or an event in it may end the run. Rows in steps of equal length say how the step before theirs was taken, which
+  /// is `before` for those in the last step.
   bool save_due(const StepInfo& before);
   /// The number of the whole step up to which a run goes for a row at the time `due`: the last one before the row, then
   /// the one in which the row lies.

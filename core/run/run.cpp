@@ -31,7 +31,7 @@ bool Run::advance_block() {
   const std::int64_t n = state_.n;
   if (!save_passed() || !within_step_limit()) return false;
   const double due = this->due() < end_ ? this->due() : infinite;
-  const StepInfo before = last_step();
+  const StepInfo before = fixed_ && due < infinite ? last_step() : StepInfo();
   const StepTarget target{
       std::min({n + (drawn_ < infinite ? 1 : budget_.block()), request_.limits.steps, last_step_, schedule_.step(),
                 fixed_ && due < infinite ? step_towards(due) : SaveSchedule::never,

@@ -95,16 +95,14 @@ class Lowering {
   constexpr Row& row(Index value) { return rows_[size(value)]; }
   /// Returns the value that holds k times the coefficients of a value, which is made when first needed.
   constexpr Index weighted(Index value) {
-    if (row(value).weighted == none) {
-      const Index made = new_value();
-      row(value).weighted = made;
-      if (value >= Program::first_variable && value <= program_.time()) {
-        program_.weighted[size(value - Program::first_variable)] = made;
-      } else if (row(value).step != none) {
-        (row(value).linear ? program_.linear : program_.steps)[size(row(value).step)].weighted = made;
-      }
-    }
-    return row(value).weighted;
+    if (row(value).weighted != none) return row(value).weighted;
+    const Index made = new_value();
+    row(value).weighted = made;
+    if (value >= Program::first_variable && value <= program_.time())
+      program_.weighted[size(value - Program::first_variable)] = made;
+    else if (row(value).step != none)
+      (row(value).linear ? program_.linear : program_.steps)[size(row(value).step)].weighted = made;
+    return made;
   }
   constexpr Index lane(Index a, Index b) {
     lanes_known_.resize(program_.lane_a.size() + 1);

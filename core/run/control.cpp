@@ -101,9 +101,6 @@ Departure departure(const RunBackend& backend, RunState x, std::span<const RunSt
   const ProblemTable& problem = backend.motion();
   if (problem.starts_series(x)) x = problem.series_state(problem.traits.series_until);
   while (!states.empty() && states.front().t < x.t) states = states.subspan(1);  // times covered by the series
-  double size = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) size = std::max(size, std::abs(x[i]));
-  if (norm == Norm::relative && size > 0 && size < 1) tolerance = std::max(tolerance * size, 1e-300);
   auto motion = control_run(backend, x, states, tolerance, most_forces, keep_going);
   const std::vector<double> sizes = divisors_along(backend, x, motion.states, norm, kinds, keep_going);
   Departure found;

@@ -17,7 +17,8 @@ odeint::Field field_of(const RunBackend& backend, const tape::SteepForces* steep
 ControlStepper::ControlStepper(const RunBackend& backend, double tolerance, odeint::Method method, bool all)
     : backend_(&backend), all_(all), steep_(backend.steep_forces()) {
   const std::size_t moving = backend.motion().traits.components;
-  integrator_ = odeint::make_integrator(method, all ? backend.table().traits.numbers : moving, moving, tolerance);
+  const std::size_t count = all ? backend.table().traits.numbers : moving;
+  integrator_ = odeint::make_integrator(method, {count, moving, backend.motion().traits.dof}, tolerance);
 }
 ControlStepper::ControlStepper(const ControlStepper& other)
     : backend_(other.backend_), all_(other.all_), steep_(other.steep_), integrator_(other.integrator_->clone()) {}

@@ -31,29 +31,17 @@ class Approach {
 
   /// `most_forces` bounds the evaluations of each walk; keep_going() is asked now and then.
   Approach(const RunBackend& backend, const RunState& start, std::int64_t most_forces, const KeepGoing& keep_going)
-      : backend_(backend), start_(start), most_forces_(most_forces), keep_going_(keep_going) {
-    const double size = size_of(start);
-    if (size > 0 && size < 1) size_ = size;
-  }
+      : backend_(backend), start_(start), most_forces_(most_forces), keep_going_(keep_going) {}
 
   /// walk goes from the start to `until`, or as far as steps lead; it calls see(state) after each step.
   template <class See>
   End walk(double tolerance, double until, See&& see) const {
-    constexpr double much = 10;
     auto x = start_;
-    double size = size_;
-    std::int64_t forces = 0;
-    const auto stepper_of = [&] { return ControlStepper(backend_, std::max(tolerance * size, 1e-300)); };
-    ControlStepper stepper = stepper_of();
+    ControlStepper stepper(backend_, tolerance);
     StandstillWatch watch(start_.t, 0);
     for (int step = 1; x.t < until; ++step) {
       const double before = x.t;
-      if (const double now = std::min(size_of(x), 1.0); now > much * size) {  // the state has outgrown its start
-        size = now;
-        forces += stepper.work().forces;
-        stepper = stepper_of();
-      }
-      if (forces + stepper.work().forces > most_forces_ || (step % 256 == 0 && !keep_going_())) break;
+      if (stepper.work().forces > most_forces_ || (step % 256 == 0 && !keep_going_())) break;
       if (stepper.step(x) != StepStatus::ok || watch.see(before, x.t - before)) return {x.t, true};
       if (backend_.motion().outside(x)) break;
       see(x);
@@ -97,17 +85,10 @@ class Approach {
   }
 
  private:
-  static double size_of(const RunState& x) {
-    double most = 0;
-    for (const double component : x.numbers) most = std::max(most, std::abs(component));
-    return most;
-  }
-
   const RunBackend& backend_;
   RunState start_;
   std::int64_t most_forces_;
   const KeepGoing& keep_going_;
-  double size_ = 1;  ///< size of the start if below 1: errors are relative to it at first
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "core/run/steep_steps.hpp"
 
+#include "core/schemes/least_size.hpp"
+
 namespace least {
 
 double SteepSteps::resolved_part(StateView from, StateView to, double tolerance) const {
@@ -15,7 +17,8 @@ double SteepSteps::resolved_part(StateView from, StateView to, double tolerance)
                                 components_,
                                 field_.rate,
                                 field_.complete,
-                                field_.problem},
+                                field_.problem,
+                                least_size(largest_of({from.numbers, components_}))},
                                tolerance, evaluations) /
          length;
 }

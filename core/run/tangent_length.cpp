@@ -106,10 +106,7 @@ StateNumbers TangentLength::as_measured(StateView x, const double* u) const {
 void TangentLength::measure(RunState x, double end, std::span<const std::size_t> kinds, const KeepGoing& keep_going) {
   constexpr int steps = 128;
   constexpr double tolerance = 1e-5;
-  double most = 0;
-  for (std::size_t i = 0; i < size_; ++i) most = std::max(most, std::abs(x[i]));
-  const double relative = most > 0 ? std::min(1.0, most) : 1;  // the tolerance is relative to small states
-  ControlStepper stepper(backend_, tolerance * relative);
+  ControlStepper stepper(backend_, tolerance);
   std::optional<StateNumbers> low, high;
   StateNumbers largest(size_, 0.0);
   const auto see = [&] {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/number/asked_by_thread.hpp"
+#include "core/schemes/least_size.hpp"
 
 namespace least {
 namespace {
@@ -29,7 +30,7 @@ StepStatus TaylorStepper::step(RunState& x) noexcept { return step_within(x, std
 StepStatus TaylorStepper::step_within(RunState& x, double most, double late) noexcept {
   begin(x);
   Values &here = values(at_.end), &low = values(at_.low), &next = values(at_.from), &rest = values(at_.from_low);
-  expansion_->move(here.data(), x.t);
+  expand(here, x.t);
   work_.forces += expansion_->order();
   double h = expansion_->step(most);
   if (!(h > 0)) return StepStatus::singular;
@@ -62,7 +63,7 @@ StepStatus TaylorStepper::reach(RunState& x, double t) noexcept {
     if (!(x.t < t)) return StepStatus::ok;
     read(x, y);
     std::fill(low.begin(), low.end(), 0.0);
-    expansion_->move(y.data(), x.t);
+    expand(y, x.t);
     work_.forces += expansion_->order();
     const double h = expansion_->step(t - x.t);
     if (!(h > 0)) return StepStatus::singular;
@@ -82,7 +83,7 @@ bool TaylorStepper::interpolate(RunState& x, double t) const noexcept {
   Values &y = values(at_.from), &low = values(at_.from_low);
   y = values(at_.start);
   low = values(at_.start_low);
-  expansion_->move(y.data(), t_);
+  expand(y, t_);
   expansion_->evaluate(h, low.data(), y.data(), true);
   if (carries_) {
     if (h < mark_.after) mark_.set(values(at_.start), values(at_.start_low));
@@ -115,6 +116,12 @@ bool TaylorStepper::carry(double t, double h, Mark& mark, Values& low, Values& y
     low[i] = scratch_.low[i];
   }
   return true;
+}
+
+void TaylorStepper::expand(const Values& y, double t) const noexcept {
+  if (least_size_ == 0) least_size_ = least_size(largest_of({y.begin(), moving()}));
+  expansion_->set_least_size(least_size_);
+  expansion_->move(y.data(), t);
 }
 
 void TaylorStepper::begin(const RunState& x) noexcept {

@@ -41,8 +41,12 @@ class TaylorStepper {
   const Work& work() const noexcept { return work_; }
   /// An estimate of the error of all steps by rounding within the formulas of the motion (Expansion::blur).
   double blur() const { return blur_; }
-  /// A new stepper of the same program, without steps.
-  TaylorStepper anew() const { return TaylorStepper(expansion_, completion_); }
+  /// A new stepper of the same program and with the same tolerance, without steps.
+  TaylorStepper anew() const {
+    TaylorStepper made(expansion_, completion_);
+    made.least_size_ = least_size_;
+    return made;
+  }
 
  private:
   /// Values of the variables of the series, with one place more, so that three trailing values can be read as a group
@@ -72,6 +76,8 @@ class TaylorStepper {
   /// in as many steps as they need from the mark on; the mark moves along. False, and these components NaN, if the
   /// computation is to end (AskedByThread).
   bool carry(double t, double h, Mark& mark, Values& low, Values& y) const noexcept;
+  /// expand expands the motion at the state y and the time t.
+  void expand(const Values& y, double t) const noexcept;
   /// begin sets the start of a step: the end of the last one with the low-order parts of its sums, except for
   /// components of x that have changed.
   void begin(const RunState& x) noexcept;
@@ -83,6 +89,7 @@ class TaylorStepper {
   bool carries_;
   double t_ = 0, h_ = 0;  ///< start and length of the last step
   double blur_ = 0;
+  mutable double least_size_ = 0;  ///< size of a state below which errors are absolute; 0: no step was taken
   Places at_;
   mutable std::array<Values, 6> values_;
   /// mark_ is in the last step, so that states asked for in order of time cost few series; reached_ is that of `reach`.

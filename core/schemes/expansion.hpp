@@ -24,6 +24,11 @@ class Expansion {
   /// An expansion whose series is interpreted, so that all values are known at every order.
   static Expansion of_all_values(tape::Program program, double tolerance, int order);
 
+  /// Sets the size of a state below which errors are absolute (least_size); it is 1 before.
+  void set_least_size(double size) {
+    least_size_ = size;
+    if (beside_) beside_->least_size_ = size;
+  }
   /// Expands at the state y and the time t, unless the series is there already.
   void move(const double* y, double t);
   /// Returns how long a step from there may be, at most `most`; 0 where the series has no meaning.
@@ -89,6 +94,7 @@ class Expansion {
   tape::Series series_;
   double longest_ = std::numeric_limits<double>::infinity();
   double tolerance_, inverse_root_;  ///< ε, and ε^{−1/p} of the order p
+  double least_size_ = 1;
   std::size_t variables_, moving_;
   double t_ = std::numeric_limits<double>::quiet_NaN();
   int used_ = 0;                      ///< the order up to which coefficients are used

@@ -16,6 +16,7 @@
 
 #include "core/schemes/fehlberg_check.hpp"
 #include "core/schemes/plain_stepper.hpp"
+#include "core/schemes/step_units.hpp"
 
 namespace least::odeint {
 namespace {
@@ -147,13 +148,13 @@ class Adaptive final : public Integrator {
  public:
   using Vector = typename Shape::Vector;
 
-  Adaptive(Shape shape, double tolerance)
-      : shape_(shape), tolerance_(tolerance), stepper_(make_stepper<M, Shape>(tolerance)) {}
+  Adaptive(Shape shape, std::size_t coordinates, double tolerance)
+      : shape_(shape), coordinates_(coordinates), tolerance_(tolerance), stepper_(make_stepper<M, Shape>(tolerance)) {}
 
   std::unique_ptr<Integrator> clone() const override { return std::make_unique<Adaptive>(*this); }
 
   StepStatus step(const Field& field, double* y, double& t) noexcept override {
-    const Vector start = vector(y);
+    const Vector start = settled(field, y, t);
     if (!(step_ > 0)) {
       if (const StepStatus status = choose_first_step(field, start, t); status != StepStatus::ok) return status;
       stepper_.initialize(start, t, step_);
@@ -161,8 +162,9 @@ class Adaptive final : public Integrator {
       stepper_.initialize(start, t, step_);
     }
     const double before = t;
-    const StepStatus status = attempt(field, start, y, t);
+    const StepStatus status = attempt(field, start, t);
     if (status == StepStatus::ok) {
+      write(stepper_.current_state(), y);
       step_ = stepper_.current_time_step();
       start_ = before;
     } else {
@@ -174,7 +176,7 @@ class Adaptive final : public Integrator {
 
   StepStatus reach(const Field& field, double* y, double& t, double end) noexcept override {
     if (end == t) return StepStatus::ok;
-    const StepStatus status = parts(field, y, t, end);
+    const StepStatus status = parts(field, settled(field, y, t), y, t, end);
     if (step_ > 0) stepper_.initialize(vector(y), t, step_);  // the steps of parts propose nothing for the next step
     dense_ = false;
     return status;
@@ -186,7 +188,7 @@ class Adaptive final : public Integrator {
       if (!dense_ || !(t >= start_ && t <= stepper_.current_time())) return false;
       Vector x = shape_.blank();
       stepper_.calc_state(t, x);
-      std::copy(x.begin(), x.end(), y);
+      write(x, y);
       return true;
     } else {
       return false;
@@ -201,10 +203,31 @@ class Adaptive final : public Integrator {
   /// motion has come to the edge of where its rates are defined and does not leave it.
   static constexpr int most_undefined = 300;
 
+  /// The state y in the units of the integrator.
   Vector vector(const double* y) const {
     Vector x = shape_.blank();
     std::copy_n(y, shape_.count, x.data());
+    if (units_) units_.enter(x);
     return x;
+  }
+  void write(const Vector& x, double* y) const {
+    std::copy(x.begin(), x.end(), y);
+    if (units_) units_.leave(y);
+  }
+  /// The same as vector(y); the first state that is asked for settles the units.
+  Vector settled(const Field& field, const double* y, double t) {
+    if (!std::exchange(settled_, true))
+      units_.settle(vector(y), shape_.moving, coordinates_, tolerance_,
+                    [&](const Vector& x, Vector& dx) { find_rates(field, x, dx, t); });
+    return vector(y);
+  }
+  void find_rates(const Field& field, const Vector& x, Vector& dx, double t) {
+    ++work_.forces;
+    if (!units_) return field.rate(field.problem, t, x.data(), dx.data());
+    Vector y = x;
+    units_.leave(y);
+    field.rate(field.problem, t, y.data(), dx.data());
+    units_.enter(dx);
   }
 
   bool finite(const Vector& y) const {
@@ -213,15 +236,15 @@ class Adaptive final : public Integrator {
     return zero == 0;
   }
 
-  StepStatus parts(const Field& field, double* y, double& t, double end) {
+  StepStatus parts(const Field& field, Vector here, double* y, double& t, double end) {
     const double close = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
-    Vector here = vector(y);
     double now = t, h = end - t;
     for (int count = 0; count < most_parts; ++count) {
       stepper_.initialize(here, now, h);
-      if (const StepStatus status = attempt(field, here, here.data(), now); status != StepStatus::ok) return status;
+      if (const StepStatus status = attempt(field, here, now); status != StepStatus::ok) return status;
+      here = stepper_.current_state();
       if (end - now <= close) {
-        std::copy(here.begin(), here.end(), y);
+        write(here, y);
         t = end;
         return StepStatus::ok;
       }
@@ -230,16 +253,14 @@ class Adaptive final : public Integrator {
     return StepStatus::solver_failed;
   }
 
-  /// Takes one accepted step from (t, from), where the stepper is. Odeint's measure of an error ignores NaN, so it
-  /// accepts a step to values that are not finite; that step is undone here and tried again at a fifth of its length.
-  /// Inlined in two places, the function would take twice as long to compile.
-  [[gnu::noinline]] StepStatus attempt(const Field& field, const Vector& from, double* y, double& t) noexcept {
-    const Vector start = from;     // NOLINT(performance-unnecessary-copy-initialization): y may be its place
+  /// Takes one accepted step from (t, start), where the stepper is, and moves t and the stepper to its end. Odeint's
+  /// measure of an error ignores NaN, so it accepts a step to values that are not finite; that step is undone here and
+  /// tried again at a fifth of its length. Inlined in two places, the function would take twice as long to compile.
+  [[gnu::noinline]] StepStatus attempt(const Field& field, const Vector& start, double& t) noexcept {
     const Vector* rate = nullptr;  // the last one evaluated: that at the end of the step
     const auto system = [&](const Vector& x, Vector& dx, double time) {
-      ++work_.forces;
       Shape::shape(dx, x);
-      field.rate(field.problem, time, x.data(), dx.data());
+      find_rates(field, x, dx, time);
       rate = &dx;
     };
     bool undefined = false;  // a trial gave values that are not finite
@@ -258,7 +279,6 @@ class Adaptive final : public Integrator {
           if constexpr (requires { stepper_.met_undefined(); }) undefined = undefined || stepper_.met_undefined();
           undefined_ = std::max(undefined_ + (undefined ? 1 : -3), 0);
           if (undefined_ > most_undefined) break;
-          std::copy(end.begin(), end.end(), y);
           t = reached;
           return StepStatus::ok;
         }
@@ -276,19 +296,21 @@ class Adaptive final : public Integrator {
   }
 
   /// Returns how much of a step resolves the steep functions of the field, or somewhat less.
-  double resolved_part(const Field& field, const Vector& from, double t, const Vector& to, const Vector& last_rate,
+  double resolved_part(const Field& field, const Vector& start, double t, const Vector& reached, const Vector& rate,
                        double end) {
     if (!field.steep) return end - t;
-    Vector first_rate = shape_.blank();
-    field.rate(field.problem, t, from.data(), first_rate.data());
-    ++work_.forces;
+    Vector from = start, to = reached, first_rate = shape_.blank(), last_rate = rate;
+    find_rates(field, start, first_rate, t);
+    if (units_)
+      for (Vector* one : {&from, &to, &first_rate, &last_rate}) units_.leave(*one);
     return field.steep->resolved_part({{t, from.data(), first_rate.data()},
                                        {end, to.data(), last_rate.data()},
                                        shape_.moving,
                                        shape_.count,
                                        field.rate,
                                        field.complete,
-                                       field.problem},
+                                       field.problem,
+                                       least_size(largest(from, shape_.moving))},
                                       tolerance_, work_.forces);
   }
 
@@ -296,8 +318,7 @@ class Adaptive final : public Integrator {
   /// Odeint measures errors.
   StepStatus choose_first_step(const Field& field, const Vector& y, double t) {
     Vector rate = shape_.blank(), other = rate, ahead = rate;
-    field.rate(field.problem, t, y.data(), rate.data());
-    ++work_.forces;
+    find_rates(field, y, rate, t);
     if (!finite(y) || !finite(rate) || !std::isfinite(t)) return StepStatus::singular;
     const auto size = [&](const Vector& v) {
       double most = 0;
@@ -308,8 +329,7 @@ class Adaptive final : public Integrator {
     const double d0 = size(y), d1 = size(rate);
     const double guess = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * (d0 / d1);
     for (std::size_t i = 0; i < shape_.count; ++i) ahead[i] = y[i] + guess * rate[i];
-    field.rate(field.problem, t + guess, ahead.data(), other.data());
-    ++work_.forces;
+    find_rates(field, ahead, other, t + guess);
     for (std::size_t i = 0; i < shape_.count; ++i) other[i] -= rate[i];
     const double d2 = finite(other) ? size(other) / guess : 0, most = std::max(d1, d2);
     const double h = most <= 1e-15 ? std::max(1e-6, 1e-3 * guess) : std::pow(0.01 / most, 1.0 / (order(M) + 1));
@@ -320,7 +340,10 @@ class Adaptive final : public Integrator {
   }
 
   [[no_unique_address]] Shape shape_;
+  std::size_t coordinates_;
   double tolerance_;
+  StepUnits units_;
+  bool settled_ = false;  ///< units_ are known
   decltype(make_stepper<M, Shape>(0)) stepper_;
   double step_ = 0;   ///< proposed for the next step; 0: not chosen yet
   double start_ = 0;  ///< when the last step began
@@ -330,33 +353,33 @@ class Adaptive final : public Integrator {
 };
 
 template <class Shape>
-std::unique_ptr<Integrator> make(Method method, Shape shape, double tolerance) {
+std::unique_ptr<Integrator> make(Method method, Shape shape, std::size_t coordinates, double tolerance) {
   switch (method) {
     case Method::dormand_prince_5:
-      return std::make_unique<Adaptive<Method::dormand_prince_5, Shape>>(shape, tolerance);
+      return std::make_unique<Adaptive<Method::dormand_prince_5, Shape>>(shape, coordinates, tolerance);
     case Method::fehlberg_78:
-      return std::make_unique<Adaptive<Method::fehlberg_78, Shape>>(shape, tolerance);
+      return std::make_unique<Adaptive<Method::fehlberg_78, Shape>>(shape, coordinates, tolerance);
     default:
-      return std::make_unique<Adaptive<Method::bulirsch_stoer, Shape>>(shape, tolerance);
+      return std::make_unique<Adaptive<Method::bulirsch_stoer, Shape>>(shape, coordinates, tolerance);
   }
 }
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_integrator(Method method, std::size_t count, std::size_t moving, double tolerance) {
+std::unique_ptr<Integrator> make_integrator(Method method, const Layout& layout, double tolerance) {
   std::unique_ptr<Integrator> integrator;
   const auto takes = [&](const auto& shape) {
-    const bool same = count == shape.count && moving == shape.moving;
-    if (same) integrator = make(method, shape, tolerance);
+    const bool same = layout.count == shape.count && layout.moving == shape.moving;
+    if (same) integrator = make(method, shape, layout.coordinates, tolerance);
     return same;
   };
   // A second or two of compilation each, for what the catalogue meets: whole motions, mechanics with an action, a flow
   // in the plane with a tangent direction. Any other is counted.
 #ifdef LEAST_FEW_SIZES
-  takes(Fixed<2>{}) || takes(Counted{count, moving});
+  takes(Fixed<2>{}) || takes(Counted{layout.count, layout.moving});
 #else
   takes(Fixed<2>{}) || takes(Fixed<3>{}) || takes(Fixed<4>{}) || takes(Fixed<6>{}) || takes(Fixed<3, 2>{}) ||
-      takes(Fixed<5, 4>{}) || takes(Fixed<4, 2>{}) || takes(Counted{count, moving});
+      takes(Fixed<5, 4>{}) || takes(Fixed<4, 2>{}) || takes(Counted{layout.count, layout.moving});
 #endif
   return integrator;
 }

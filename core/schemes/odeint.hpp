@@ -1,12 +1,13 @@
 // dormand_prince_5, fehlberg_78, bulirsch_stoer: Boost.Odeint's schemes with error control, as others use them.
 // Controls without geometry that set their own clock: a step is as long as an estimate of its error allows, component
-// by component |error| ≤ tolerance (1 + |y| + h|ẏ|), Odeint's own measure. They need equations of motion and nothing
-// else, read the time, keep no structure: energy drifts at a rate that the tolerance sets. The first step follows
-// Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.4. What a state carries beyond the motion, an
-// action or a tangent direction, goes along with the steps and has no say in them: asking for more never changes a run.
-// Odeint itself is seen by one file only, odeint.cpp: a step is a virtual call.
-// Sources: Dormand & Prince, J. Comput. Appl. Math. 6, 19 (1980); Fehlberg, NASA TR R-287 (1968); Bulirsch & Stoer,
-// Numer. Math. 8, 1 (1966); Ahnert & Mulansky, AIP Conf. Proc. 1389, 1586 (2011).
+// by component |error| ≤ tolerance (1 + |y| + h|ẏ|), Odeint's own measure, in units in which the motion is
+// neither small nor large (core/schemes/step_units.hpp). They need equations of motion and nothing else, read the
+// time, keep no structure: energy drifts at a rate that the tolerance sets. The first step follows Hairer, Nørsett,
+// Wanner, Solving Ordinary Differential Equations I, II.4. What a state carries beyond the motion, an action or a
+// tangent direction, goes along with the steps and has no say in them: asking for more never changes a run. Odeint
+// itself is seen by one file only, odeint.cpp: a step is a virtual call. Sources: Dormand & Prince, J. Comput. Appl.
+// Math. 6, 19 (1980); Fehlberg, NASA TR R-287 (1968); Bulirsch & Stoer, Numer. Math. 8, 1 (1966); Ahnert & Mulansky,
+// AIP Conf. Proc. 1389, 1586 (2011).
 #pragma once
 
 #include <algorithm>
@@ -54,8 +55,13 @@ class Integrator {
   virtual const Work& work() const noexcept = 0;
 };
 
-/// Makes the integrator of a method for `count` components, of which the first `moving` are the motion.
-std::unique_ptr<Integrator> make_integrator(Method method, std::size_t count, std::size_t moving, double tolerance);
+/// Layout says what the components of a state are.
+struct Layout {
+  std::size_t count;        ///< all
+  std::size_t moving;       ///< the first ones, which are the motion
+  std::size_t coordinates;  ///< the first ones, which as many momenta follow; 0 for a flow
+};
+std::unique_ptr<Integrator> make_integrator(Method method, const Layout& layout, double tolerance);
 
 /// States whose numbers are doubles, plain or with one tangent direction.
 template <class X>
@@ -100,7 +106,7 @@ class AnyOdeintStepper {
   AnyOdeintStepper(const P& problem, odeint::Method method, double tolerance)
       : problem_(problem),
         steep_(steep_forces(problem)),
-        integrator_(odeint::make_integrator(method, size, StateOf<P>::size, tolerance)) {}
+        integrator_(odeint::make_integrator(method, {size, StateOf<P>::size, coordinates}, tolerance)) {}
   AnyOdeintStepper(const AnyOdeintStepper& other)
       : problem_(other.problem_), steep_(other.steep_), integrator_(other.integrator_->clone()) {}
   AnyOdeintStepper(AnyOdeintStepper&&) noexcept = default;
@@ -142,6 +148,10 @@ class AnyOdeintStepper {
 
  private:
   static constexpr std::size_t size = odeint::components<X>;
+  static constexpr std::size_t coordinates = [] {
+    if constexpr (Flow<P>) return std::size_t(0);
+    if constexpr (!Flow<P>) return std::size_t(P::dof);
+  }();
 
   /// Values, then slopes.
   static void read(const double* y, X& x) {
@@ -198,9 +208,13 @@ struct AnyOdeintScheme {
 
 template <class C>
 constexpr Field<C> tolerance_field() {
-  return {"tolerance",   "ε",
-          "1",           "error allowed in a step, absolute and relative alike",
-          &C::tolerance, {1e-15, 1e-1, true, false}};
+  return {"tolerance",
+          "ε",
+          "1",
+          "error allowed in a step, absolute and relative alike; where coordinates, or momenta, start below 1e-3 or "
+          "above 1e3, the absolute part is relative to their start",
+          &C::tolerance,
+          {1e-15, 1e-1, true, false}};
 }
 
 // `reads_time`: steps read x.t as the time itself, and do not only add to it. `asks_no_level`: steps do not need the

@@ -225,7 +225,7 @@ void Expansion::look_closer(const double* y) {
 /// Returns the error that a step may have in any case.
 double Expansion::may_be_off() const {
   constexpr double rounding = 0x1p-45;  // of some hundred operations
-  return std::max(allowed * tolerance_, rounding) * std::max(1.0, largest(0));
+  return std::max(allowed * tolerance_, rounding) * std::max(least_size_, largest(0));
 }
 
 void Expansion::find_used() {

@@ -121,12 +121,14 @@ struct Taylor {
   static constexpr bool own_clock = true, on_equations = true;
   static constexpr bool remembers = true;  ///< its last step: adapts to the state
   static constexpr std::tuple fields{
-      Field<Taylor>{"tolerance",
-                    "ε",
-                    "1",
-                    "what the last terms of a step may be, absolute and relative alike",
-                    &Taylor::tolerance,
-                    {1e-15, 1e-2}},
+      Field<Taylor>{
+          "tolerance",
+          "ε",
+          "1",
+          "what the last terms of a step may be, absolute and relative alike; where a motion starts below 1e-3, "
+          "the absolute part is relative to its start",
+          &Taylor::tolerance,
+          {1e-15, 1e-2}},
       Field<Taylor, int>{"order",
                          "p",
                          "1",

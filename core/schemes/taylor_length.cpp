@@ -120,7 +120,7 @@ double Expansion::largest_carried(int k) const {
 double Expansion::carried_step() const {
   constexpr double slack = 10;  // more than of the motion: derivatives of its series by the start are somewhat larger
   double h = std::numeric_limits<double>::infinity();
-  const double log_term = std::log2(slack * tolerance_ * std::max({1.0, largest(0), largest_carried(0)}));
+  const double log_term = std::log2(slack * tolerance_ * std::max({least_size_, largest(0), largest_carried(0)}));
   for (const int k : {used_ - 1, used_})
     if (const double c = k > 0 ? largest_carried(k) : 0; c > 0)
       h = std::min(h, std::exp2((log_term - std::log2(c)) / k));
@@ -199,7 +199,7 @@ bool Expansion::may_hide_what_comes(double h, double most) const {
   constexpr double little = 0.01;
   if (used_ == 0) return false;
   return series_.program().whole || !(h < most) || (largest(used_) == 0 && (used_ == 1 || largest(used_ - 1) == 0)) ||
-         largest(1) * h < little * std::max(1.0, largest(0));
+         largest(1) * h < little * std::max(least_size_, largest(0));
 }
 /// Returns a bound of the second derivative of component i within the step.
 double Expansion::turning(std::size_t i, double h) const {
@@ -212,7 +212,7 @@ double Expansion::turning(std::size_t i, double h) const {
 /// rounding of the time makes of it, and give the right arguments of steep functions.
 bool Expansion::solves(double h) {
   constexpr double slack = 100, grain = 1e-12, told = 0.5, part_told = 1e-3;
-  const double most = std::max(1.0, largest(0)) * std::max(slack * tolerance_, grain);
+  const double most = std::max(least_size_, largest(0)) * std::max(slack * tolerance_, grain);
   const double blur = reads_time_ ? 4 * std::numeric_limits<double>::epsilon() * std::abs(t_) : 0;
   std::array<double, places> part, value, slope;
   for (std::size_t place = 0; place < places; ++place) part[place] = h * static_cast<double>(place + 1) / places;
@@ -250,7 +250,7 @@ bool Expansion::solves(double h) {
 /// Whether the state changes within h: then h is long because the unit of time is short, not because nothing happens.
 bool Expansion::moves(double h) const {
   constexpr double little = 1e-3;
-  double power = 1, size = std::max(1.0, largest(0));
+  double power = 1, size = std::max(least_size_, largest(0));
   for (int k = 1; k <= used_; ++k)
     if (power *= h; largest(k) * power > little * size) return true;
   return false;
@@ -276,7 +276,7 @@ double Expansion::series_step() const {
     for (std::size_t pair = 1; pair < pairs; ++pair) most = larger(most, sizes_at(c, pair));
     return larger(most[0], most[1]);
   };
-  const double size = larger(1.0, size_at(oldest)), scale = allowed * size, term = scale * tolerance_;
+  const double size = larger(least_size_, size_at(oldest)), scale = allowed * size, term = scale * tolerance_;
   if (!(term > 0)) return 0;
   const double last = size_at(newest), before = used_ > 1 ? size_at(newest - stride) : 0;
   std::int64_t log_h = std::numeric_limits<std::int64_t>::max();
@@ -336,7 +336,7 @@ double Expansion::until_pole(double h) const {
     double most = close_ && used_ > last_orders ? 0 : 1;
     for (int k = used_; k + last_orders > used_ && k > 0; --k)
       most = std::max(most, k * largest(k) * std::pow(ahead, k));
-    if (!(most <= none * std::max(1.0, largest(0)))) h = 0.5 * ahead;
+    if (!(most <= none * std::max(least_size_, largest(0)))) h = 0.5 * ahead;
   }
   return h;
 }

@@ -211,7 +211,7 @@ double SteepForces::resolved_part(const SteepStep& step, double tolerance, std::
                   h * part * rest * (rest * first_rate[i] - part * last_rate[i]);
     step.rate(step.problem, start + part * h, within.data(), rate.data());
     ++evaluations;
-    double speed = 0, off = 0, size = 1;
+    double speed = 0, off = 0, size = step.least_size;
     for (std::size_t i = 0; i < step.moving; ++i) {
       const double slope = 6 * part * rest * (to[i] - from[i]) / h + rest * (1 - 3 * part) * first_rate[i] +
                            part * (1 - 3 * rest) * last_rate[i];
@@ -263,7 +263,7 @@ double SteepForces::until_switch(const SteepStep& step, double tolerance) const 
   if (count == 0) return h;
   constexpr int halvings = 60;
   constexpr double little = 0.01, rounding = 16 * std::numeric_limits<double>::epsilon();
-  double speed = 0, size = 1;
+  double speed = 0, size = step.least_size;
   for (std::size_t i = 0; i < step.moving; ++i) {
     speed = std::max({speed, std::abs(step.start.rate[i]), std::abs(step.end.rate[i])});
     size = std::max(size, std::abs(step.end.state[i]));

@@ -122,6 +122,7 @@ struct SteepStep {
   /// Writes those variables of the tape that are functions of the others; null if there are none.
   void (*complete)(const void* problem, double t, double* variables) = nullptr;
   const void* problem = nullptr;
+  double least_size = 1;  ///< size of a state below which its error is absolute
 };
 
 /// SteepForces finds what a step controlled by error estimates alone may jump over in equations of motion on a tape:

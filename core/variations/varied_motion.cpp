@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/run/run_state.hpp"
+#include "core/schemes/least_size.hpp"
 #include "core/tape/derivative.hpp"
 #include "core/variations/start.hpp"
 
@@ -149,14 +150,18 @@ void VariedMotion::begin(std::span<const double> x, const Derivatives& derivativ
       const auto k = static_cast<std::size_t>(std::ranges::find(varied_, parameter) - varied_.begin());
       first_.u[(size_ + k) * first_.lanes + d] = by;
     }
-  if (ahead_) ahead_->begin();
+  if (least_size_ == 0) least_size_ = least_size(largest_of(x));
+  if (ahead_) {
+    ahead_->begin();
+    ahead_->expansion().set_least_size(least_size_);
+  }
   one_by_one_ = false;
 }
 
 /// settle scales each direction to about the size of the state, which decides step sizes. `beside` is the size of the
 /// terms that drive it.
 void VariedMotion::settle(Level& level, std::span<const double> beside) {
-  const int wanted = std::ilogb(std::max(1.0, largest_of(std::span(y_).first(size_))));
+  const int wanted = std::ilogb(std::max(least_size_, largest_of(std::span(y_).first(size_))));
   for (std::size_t d = 0; d < level.count; ++d) {
     double size = beside.empty() ? 0 : std::abs(beside[d]);
     for (std::size_t at = d; at < level.u.size(); at += level.lanes)
@@ -190,6 +195,7 @@ void VariedMotion::plan() {
     if (plan_ahead()) return;
     follow_one_by_one();  // for example near the end of a motion
   }
+  expansion_->set_least_size(least_size_);
   expansion_->move(y_.data(), t_);
   double step = expansion_->step();
   if (tangents_) {
@@ -204,7 +210,8 @@ void VariedMotion::plan() {
 /// accurate enough. False: there is none.
 bool VariedMotion::plan_ahead() {
   if (!ahead_->next(y_, low_, t_, 1e-13 * longest_)) return false;
-  const double term = taylor::Expansion::allowed * tolerance_ * std::max(1.0, largest_of(std::span(y_).first(size_)));
+  const double term =
+      taylor::Expansion::allowed * tolerance_ * std::max(least_size_, largest_of(std::span(y_).first(size_)));
   double step = ahead_->end() - t_;
   const double whole = step;
   const auto heed = [&](double largest, int k) {
@@ -220,7 +227,8 @@ bool VariedMotion::plan_ahead() {
 /// derivatives_step returns the step for which the last two terms of the derivatives' series meet the tolerance.
 double VariedMotion::derivatives_step() {
   double step = std::numeric_limits<double>::infinity();
-  const double term = taylor::Expansion::allowed * tolerance_ * std::max(1.0, largest_of(std::span(y_).first(size_)));
+  const double term =
+      taylor::Expansion::allowed * tolerance_ * std::max(least_size_, largest_of(std::span(y_).first(size_)));
   const int told = tangents_->told();
   for (int k = std::max(1, told - 1); k <= told; ++k)
     if (const double last = tangents_->largest(k); last > 0) step = std::min(step, std::pow(term / last, 1.0 / k));

@@ -101,7 +101,8 @@ class VariedMotion {
 
   std::size_t size_;
   double tolerance_;
-  int order_;  ///< as asked for
+  double least_size_ = 0;  ///< size of a state below which errors are absolute; 0: not started
+  int order_;              ///< as asked for
   std::vector<Direction> by_;
   std::vector<std::size_t> varied_;  ///< parameters that the series has as variables behind the state, ascending
   std::vector<tape::Tangents::Pair> pairs_;

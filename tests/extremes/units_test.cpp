@@ -1,5 +1,5 @@
 // The same scene in other units is the same run: as many steps by default, the same error. The units of length, time
-// and mass are natural for a planet, an electron and a galaxy, expressed in SI; and random ones over forty decades.
+// and mass are natural for a planet, an electron and a galaxy, expressed in SI; and random ones over 32 decades each.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -118,7 +118,7 @@ std::vector<Units> foreign_units() {
   std::vector<Units> all{{1.5e11, 5e6, 2e30}, {5.3e-11, 2.4e-17, 9.1e-31}, {2e20, 1e15, 1e40}};
   const auto far = [](double unit) { return std::abs(std::log10(unit)) > 2.5; };
   std::mt19937_64 random(20261126);
-  const auto draw = [&] { return std::pow(10, -20 + 40 * (static_cast<double>(random() >> 11) * 0x1p-53)); };
+  const auto draw = [&] { return std::pow(10, -16 + 32 * (static_cast<double>(random() >> 11) * 0x1p-53)); };
   while (all.size() < 9) {
     const Units units{draw(), draw(), draw()};
     if (far(units.length) && far(units.time) && far(units.energy()) && far(units.energy() / units.mass))
@@ -126,9 +126,6 @@ std::vector<Units> foreign_units() {
   }
   return all;
 }
-
-/// Schemes with a tolerance are not tested here: the tolerance is absolute for numbers below 1.
-bool by_tolerance(const SchemeCard& scheme) { return scheme.find("tolerance").has_value(); }
 
 void expect_the_same_in_all_units(Posed (*scene)(const Units&), Names choices = {}) {
   const Posed natural = scene({});
@@ -138,7 +135,6 @@ void expect_the_same_in_all_units(Posed (*scene)(const Units&), Names choices = 
   int compared = 0;
   for (const std::size_t scheme : natural.scene->card().schemes) {
     const SchemeCard& card = schemes()[scheme];
-    if (by_tolerance(card)) continue;
     if (choices.size() > 0 && !card.find(choices.begin()->first)) continue;
     const auto run = [&](const Posed& posed) {
       Request request = choose(request_of(posed, scheme), choices);
@@ -158,10 +154,16 @@ void expect_the_same_in_all_units(Posed (*scene)(const Units&), Names choices = 
       };
       EXPECT_EQ(there.stop.reason, ReturnCode::completed) << where() << there.stop.detail;
       const double ratio = static_cast<double>(there.cost.steps) / static_cast<double>(here.cost.steps);
-      EXPECT_GT(ratio, 0.5) << where();
-      EXPECT_LT(ratio, 2) << where();
+      // In very short units of time the highest orders of a series overflow, in very long ones they underflow; and the
+      // steps of some ten orders by extrapolation are few.
+      const double more = card.id == "taylor" ? 6 : is_adaptive(card) ? 3 : 2;
+      EXPECT_GT(ratio, 1 / more) << where();
+      EXPECT_LT(ratio, more) << where();
       if (card.id != "energy_momentum") {
-        EXPECT_LT(distance_between(natural_end(posed, request, there), truth), 2 * error + 1e-9) << where();
+        // What steps within a tolerance come to is in part chance, above all of those by extrapolation.
+        const double within = is_adaptive(card) ? 100 * request.setting("tolerance", card) : 0;
+        const double allowed = (is_adaptive(card) ? 3 : 2) * error + within + 1e-9;
+        EXPECT_LT(distance_between(natural_end(posed, request, there), truth), allowed) << where();
       }
       ++compared;
     }

@@ -142,13 +142,27 @@ class Collector {
   std::string text_of(const Summands& terms) {
     if (terms.empty()) return "0";
     std::string text;
-    for (const Summand& term : terms) {
+    for (const Summand& term : by_degree(terms)) {
       const bool negative = term.coefficient < 0;
       text.append(text.empty() ? (negative ? "-" : "") : negative ? " - " : " + ").append(text_of(term));
       if (text.size() > longest_text) too_long_ = true;
       if (too_long_) return text;
     }
     return text;
+  }
+  /// by_degree puts the terms of a long polynomial of one variable in order of its powers: the sum over powers that it
+  /// comes from is added up in another order.
+  Summands by_degree(const Summands& terms) const {
+    constexpr std::size_t many = 5;
+    const auto is_power = [&](const Summand& term) {
+      return term.factors.empty() || (term.factors.size() == 1 && tape_[term.factors[0].of].op == Op::variable);
+    };
+    Summands ordered = terms;
+    if (terms.size() < many || !std::ranges::all_of(terms, is_power)) return ordered;
+    std::ranges::stable_sort(ordered, {}, [](const Summand& term) {
+      return term.factors.empty() ? std::pair(Index(0), 0.0) : std::pair(term.factors[0].of, term.factors[0].power);
+    });
+    return ordered;
   }
   /// text_of returns a term without its sign: `2*x^3*sin(y)/(a*r^3)`.
   std::string text_of(const Summand& term) {
@@ -217,7 +231,9 @@ class Collector {
       if (plain.size() < text.size() && plain != "…") text = std::move(plain);
     } else if (const auto function = function_name(node.op)) {
       text.append(*function).append("(").append(text_of(at(node.a))).append(")");
-    } else {  // a select, a power with a varying exponent, or a sum of too many terms
+    } else if (node.op == Op::select && is_absolute(tape_, node)) {
+      text.append("abs(").append(text_of(at(node.c))).append(")");
+    } else {  // another choice, a power with a varying exponent, or a sum of too many terms
       text = print(tape_, Recorder::at(whole_, place), name_);
     }
     --depth_;

@@ -53,13 +53,6 @@ std::size_t nesting(std::string_view text) {
   return most;
 }
 
-/// is_absolute tells whether a select chooses between −x and x.
-bool is_absolute(const tape::Tape& tape, const Node& choice) {
-  const Node& negated = tape[choice.b];
-  return choice.a == choice.c && negated.op == Op::multiply && negated.b == choice.c &&
-         tape[negated.a].op == Op::constant && tape[negated.a].value == -1;
-}
-
 /// is_zero_node recognises the term 0·x that a select adds, so that its value is NaN where x is.
 bool is_zero_node(const tape::Tape& tape, Index place) {
   const Node& node = tape[place];
@@ -133,6 +126,12 @@ std::optional<std::string_view> function_name(Op op) {
     default:
       return std::nullopt;
   }
+}
+
+bool is_absolute(const tape::Tape& tape, const Node& choice) {
+  const Node& negated = tape[choice.b];
+  return choice.a == choice.c && negated.op == Op::multiply && negated.b == choice.c &&
+         tape[negated.a].op == Op::constant && tape[negated.a].value == -1;
 }
 
 std::string print(const tape::Tape& tape, const Symbol& y, const std::function<std::string(int)>& name) {

@@ -56,6 +56,8 @@ TEST(Collected, PutsTermsTogether) {
       {"k/(x*y)", "k/(y*x)"},
       {"(x + 1)^(-1.5)", "1/(x + 1)^1.5"},
       {"if(x < 0, -x, x)^2*y", "y*abs(x)^2"},
+      {"x*abs(2*(1/(2*k))*y)", "x*abs(y/k)"},
+      {"x^4 + x - 2*x^3 + x^5 + 1", "1 + x - 2*x^3 + x^4 + x^5"},
   };
   for (const auto& [text, wanted] : known) EXPECT_EQ(collected(text), wanted) << text;
 }

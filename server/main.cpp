@@ -76,6 +76,10 @@ void warn_of(const Options& options) {
 void tell_of_start(const Service& service, const Options& options) {
   const auto whole = [](auto number) { return static_cast<std::int64_t>(number); };
   const Caps& caps = options.settings.caps;
+  if (const std::size_t asked = options.settings.max_memory; asked < service.max_memory())
+    LogLine(spdlog::level::warn, "the largest answer needs more than --max-memory: a smaller --max-samples lowers that")
+        .with("asked", whole(asked))
+        .with("memory", whole(service.max_memory()));
   LogLine start(spdlog::level::info, "start");
   start.with("url", service.url());
   if (service.metrics_port() > 0) start.with("metrics_port", std::int64_t{service.metrics_port()});

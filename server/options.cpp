@@ -95,7 +95,8 @@ void add_limits(CLI::App& app, Options& options, const std::string& held) {
   add(app, "--max-body", options.settings.bounds.body, "largest request in bytes, also as 64K or 1M")
       ->transform(size)
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30));
-  add(app, "--max-memory", options.settings.max_memory, held + ", also as 100M or 2G, beyond it 503")
+  add(app, "--max-memory", options.settings.max_memory,
+      held + ", also as 100M or 2G, beyond it 503; never less than the largest answer needs, see --max-samples")
       ->transform(size)
       ->check(CLI::Range(std::size_t{1} << 20, std::size_t{1} << 50));
 }

@@ -89,6 +89,14 @@ std::string hint(const Cards& cards, int status, std::string_view path) {
   return did_you_mean(path, Names(known.begin(), known.end()));
 }
 
+/// error_of answers an error that concerns a request as a whole.
+Answer error_of(int status, std::string_view detail, std::string_view request_id) {
+  if (status != 422) return problem_document(status, detail, request_id);
+  Faults faults;
+  faults.add({"", std::string(detail), {}, {}});
+  return problem_document(faults, request_id);
+}
+
 }  // namespace
 
 // The first block of an answer doubles as it grows, so that its memory exceeds its numbers a little; and a part is on
@@ -101,7 +109,7 @@ std::size_t memory_for(const Settings& settings) {
 
 Service::Service(const Settings& settings, std::span<const Asset> assets)
     : memory_(memory_for(settings)),
-      http_(settings, problem_document, &memory_),
+      http_(settings, error_of, &memory_),
       context_{catalogue_cards(), settings.caps, http_.admission(), http_.cancelled(), memory_} {
   Router& router = http_.router();
   for (const Asset& asset : assets) router.add_page(asset);

@@ -260,7 +260,9 @@ class HttpServer::Impl final : private Handler {
   void turn_away_for_memory(const ExchangePtr& exchange) noexcept {
     try {
       exchange->computing = exchange->has_pieces = false;
-      respond(exchange, "failed", no_memory(exchange));
+      const bool alone = exchanges_ == 1;  // to ask again would not help
+      respond(exchange, "failed",
+              alone ? error_(422, beyond_memory(*lifecycle_.memory), exchange->id) : no_memory(exchange));
     } catch (const std::exception& e) {
       fail(exchange, e.what());
     }

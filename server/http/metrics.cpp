@@ -117,7 +117,8 @@ std::string Metrics::text(const Gauges& gauges) const {
   write_one(out, "rejected_total", "counter", "Requests that did not get a turn to compute.", rejected_.load());
   write_one(out, "held_bytes", "gauge", "Bytes held for requests and answers, and what is in memory besides.",
             gauges.bytes_held);
-  write_one(out, "max_held_bytes", "gauge", "Bytes held at most, --max-memory.", gauges.most_bytes);
+  write_one(out, "max_held_bytes", "gauge", "Bytes held at most: --max-memory, or what the largest answer needs.",
+            gauges.most_bytes);
   write_one(out, "dropped_log_lines_total", "counter", "Log lines that nobody took in time.", gauges.dropped_log_lines);
   const auto process = ProcessGauges::now();  // with the names that all exporters use
   write_one(out, "process_resident_memory_bytes", "gauge", "Resident memory.", process.resident_bytes);

@@ -21,6 +21,11 @@ std::string full_memory(const MemoryBudget& memory) {
   return "requests and answers fill the memory for them, " + std::to_string(memory.most()) + " bytes (--max-memory)";
 }
 
+std::string beyond_memory(const MemoryBudget& memory) {
+  return "the request needs more than the " + std::to_string(memory.most()) +
+         " bytes of memory that all requests share (--max-memory): ask for a smaller scene, or for less of it";
+}
+
 Received RequestReader::read() {
   Received received = next();
   if (!std::holds_alternative<Refused>(received)) {

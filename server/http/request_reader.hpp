@@ -38,6 +38,8 @@ using Received = std::variant<std::monostate, Message, Refused>;
 
 /// full_memory returns the message for requests when memory is full, of one request alone or of all clients.
 std::string full_memory(const MemoryBudget& memory);
+/// beyond_memory returns the message for a request that needs more than all memory.
+std::string beyond_memory(const MemoryBudget& memory);
 
 /// RequestReader parses the stream of one connection.
 class RequestReader {

@@ -269,6 +269,23 @@ TEST(Memory, ThatNobodyElseHoldsIsAFaultOfTheRequest) {
                {"/section", "/record"});
 }
 
+// Likewise what is derived from a scene, which has no place of its own in the request.
+TEST(Memory, ThatNobodyElseHoldsIsAFaultOfTheScene) {
+  Settings settings = quiet_settings();
+  settings.caps.samples = 1000;
+  settings.max_memory = 30 << 20;
+  Service service(settings, page_assets);
+  ASSERT_FALSE(service.start());
+  const std::string scene = post("/v1/simulate", R"~({"problem":{"id":"custom","variables":["q[100]"],
+      "hamiltonian":"sum(i=1..100,p[i]^2/2)+sum(i=1..100,j=1..100,sin(q[i]*q[j]))"},"scheme":"taylor","until":1})~");
+  const Reply refused = ask(service.port(), scene);
+  ASSERT_EQ(refused.status, 422) << refused.body.substr(0, 500);
+  const Json fault = only_fault(refused);
+  EXPECT_EQ(fault["pointer"], "");
+  EXPECT_NE(fault["detail"].get<std::string>().find("31457280 bytes"), std::string::npos) << fault;
+  EXPECT_FALSE(refused.fields.contains("retry-after"));
+}
+
 // All answers together hold no more memory than the limit; a client that reads makes room for others.
 TEST(Memory, IsBoundedAcrossAnswers) {
   Settings settings = quiet_settings();

@@ -73,6 +73,8 @@ std::vector<Worst> worst_requests() {
            start + "}");
     on("/v1/problems", {in_json}, "{" + scene.problem + "}");
   }
+  on("/v1/periodic", {in_json}, R"~({"problem":{"id":"custom","variables":["x[60]"],
+      "equations":{"x[i]":"sum(j=1..60,sin(x[i]*x[j])*exp(-(x[i]-x[j])^2))"}},"period":1})~");
   return all;
 }
 

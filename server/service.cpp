@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/number/asked_by_thread.hpp"
 #include "core/tape/tape.hpp"
+#include "core/text/text_work.hpp"
 #include "server/decode/scene_reader.hpp"
 #include "server/decode/wording.hpp"
 #include "server/encode/catalogue_json.hpp"
@@ -55,8 +57,19 @@ Answer too_many_operations(std::string_view request_id) {
   faults.add({"/problem", "what is asked takes more operations than may be derived from a scene", {}, {}});
   return problem_document(faults, request_id);
 }
-Prepared prepared(Endpoint endpoint, const Context& context, const HttpRequest& request) try {
+// Texts of a scene are written out while a request is read. That work has one bound for all of them, and ends where the
+// client has gone or the service ends.
+Prepared read_by(Endpoint endpoint, const Context& context, const HttpRequest& request) {
+  const CancellationWatch watch(context.cancelled, request.gone, context.caps.seconds);
+  const AskedByThread asked([&] { return !watch.cancelled(); });
+  const text::TextWork work;
   Prepared made = endpoint(context, request);
+  if (!watch.cancelled()) return made;
+  return busy(context, request,
+              watch.timed_out() ? "reading the request takes longer than a request may take" : "the service ends");
+}
+Prepared prepared(Endpoint endpoint, const Context& context, const HttpRequest& request) try {
+  Prepared made = read_by(endpoint, context, request);
   auto* const job = std::get_if<Job>(&made);
   if (!job) return made;
   return Job([job = std::move(*job), id = std::string(request.id)](Admission::Pass pass) {

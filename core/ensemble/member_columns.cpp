@@ -125,7 +125,7 @@ std::optional<text::Fault> MemberReader::read(std::string name, std::string text
   auto parsed = text::parse_in_words_of(text_, std::move(text));
   if (auto* fault = std::get_if<text::Fault>(&parsed)) return std::move(*fault);
   const auto& expression = std::get<text::Expression>(parsed);
-  auto recorded = expression.record(tape_, words_);
+  auto recorded = expression.record(tape_, words_, text::operations_beside(text_));
   if (auto* fault = std::get_if<text::Fault>(&recorded)) return std::move(*fault);
   measures_.list.push_back({{std::move(name), false, false, true, {}}, expression.text()});
   outputs_.push_back(std::get<Symbol>(recorded).on(tape_));

@@ -60,7 +60,7 @@ std::optional<text::Fault> MeasureReader::read(std::string name, std::string tex
   auto parsed = text::parse_in_words_of(text_, std::move(text));
   if (auto* fault = std::get_if<text::Fault>(&parsed)) return std::move(*fault);
   const auto& expression = std::get<text::Expression>(parsed);
-  auto recorded = expression.record(tape_, words_);
+  auto recorded = expression.record(tape_, words_, text::operations_beside(text_));
   if (auto* fault = std::get_if<text::Fault>(&recorded)) return std::move(*fault);
   Measure one{{std::move(name), false, false, true, {}}, expression.text()};
   for (const text::Token& token : expression.tokens()) {

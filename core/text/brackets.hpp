@@ -1,6 +1,7 @@
 // Where parts of a text end: at brackets, at commas outside of brackets, and behind numbers.
 #pragma once
 
+#include <array>
 #include <charconv>
 #include <cstddef>
 #include <string_view>
@@ -16,10 +17,22 @@ constexpr std::size_t after_space(std::string_view text, std::size_t at, std::si
   return at;
 }
 
+/// next_sign returns the position of the next bracket or comma, or `to` if there is none. Long texts are passed over by
+/// it again and again, so that it looks each character up in a table.
+constexpr std::size_t next_sign(std::string_view text, std::size_t at, std::size_t to) {
+  constexpr auto signs = [] {
+    std::array<bool, 256> is{};
+    for (const char c : {'(', ')', '[', ']', ','}) is[static_cast<unsigned char>(c)] = true;
+    return is;
+  }();
+  while (at < to && !signs[static_cast<unsigned char>(text[at])]) ++at;
+  return at;
+}
+
 /// closing(text, open, to) returns the position of the bracket that closes the one at `open`, or `to` if there is none.
 constexpr std::size_t closing(std::string_view text, std::size_t open, std::size_t to) {
   std::size_t depth = 0;
-  for (std::size_t at = open; at < to; ++at) {
+  for (std::size_t at = next_sign(text, open, to); at < to; at = next_sign(text, at + 1, to)) {
     if (text[at] == '(' || text[at] == '[') ++depth;
     if ((text[at] == ')' || text[at] == ']') && --depth == 0) return at;
   }
@@ -28,7 +41,8 @@ constexpr std::size_t closing(std::string_view text, std::size_t open, std::size
 
 /// comma(text, at, to) returns the position of the next comma outside of brackets, or `to` if there is none.
 constexpr std::size_t comma(std::string_view text, std::size_t at, std::size_t to) {
-  for (std::size_t depth = 0; at < to; ++at) {
+  at = next_sign(text, at, to);
+  for (std::size_t depth = 0; at < to; at = next_sign(text, at + 1, to)) {
     if (text[at] == '(' || text[at] == '[') ++depth;
     if (text[at] == ')' || text[at] == ']') --depth;
     if (text[at] == ',' && depth == 0) break;

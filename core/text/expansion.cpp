@@ -10,13 +10,20 @@
 #include "core/text/brackets.hpp"
 #include "core/text/large_scene_turn.hpp"
 #include "core/text/term_reader.hpp"
+#include "core/text/text_work.hpp"
 
 namespace least::text {
 
 class Expander {
  public:
-  Expander(const Vocabulary& vocabulary, Expansion& made, KeptSums* kept)
-      : vocabulary_(vocabulary), made_(made), kept_(kept) {}
+  Expander(const Vocabulary& vocabulary, Expansion& made, KeptSums* kept, TextWork& work)
+      : vocabulary_(vocabulary), made_(made), kept_(kept), work_(work) {}
+
+  /// fits(…) tells whether the text may become short enough, before any of it is written.
+  bool fits(std::string_view text, const Indices& indices) {
+    std::size_t place = 0;
+    return !exceeds(size_of(text, vocabulary_, indices, kept_ != nullptr, place), kept_ != nullptr) || too_long(place);
+  }
 
   /// write(text, from, to, indices) writes out a part of the current text. False: `wrong_` says what is wrong.
   bool write(std::string_view text, std::size_t from, std::size_t to, Indices& indices) {
@@ -40,32 +47,27 @@ class Expander {
   const Expansion::Wrong& wrong() const { return wrong_; }
 
  private:
-  static constexpr std::size_t most_terms = 150'000;
-
   bool refuse(std::size_t position, std::string detail, std::string allowed = {}) {
     return refuse(Fault{position, std::move(detail), std::move(allowed), {}});
   }
   bool refuse(Fault fault) {
-    wrong_ = {std::move(fault), definition_};
+    wrong_ = {std::move(fault), Expansion::definition_of(definition_)};
     return false;
   }
-  bool too_long(std::size_t position) {
-    return refuse(
-        position, "takes too many operations when it is written out",
-        std::to_string(most_summed) + " with all sums written out, in " + std::to_string(most_written) + " characters");
-  }
+  bool too_long(std::size_t position) { return refuse(too_many_operations_at(position)); }
   /// `whole`: the piece is not copied from the current text; all of it comes from `position`.
   bool append(std::string_view piece, std::size_t position, bool whole) {
     if (term_) {
       term_->append(piece);
-      return term_->text().size() <= most_characters || too_long(position);
+      return (term_->text().size() <= most_characters && work_.read(piece.size())) || too_long(position);
     }
-    if (made_.text_.size() + piece.size() > most_written) return too_long(position);
+    if (!work_.write(piece.size())) return too_long(position);
     auto& parts = made_.parts_;
     const std::size_t at = made_.text_.size();
     const bool goes_on = !parts.empty() && !parts.back().whole && !whole && parts.back().definition == definition_ &&
                          parts.back().position + (at - parts.back().at) == position;
-    if (!goes_on) parts.push_back({at, position, whole, definition_});
+    if (!goes_on)
+      parts.push_back({static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(position), definition_, whole});
     made_.text_ += piece;
     return true;
   }
@@ -106,10 +108,8 @@ class Expander {
     }
     if (const auto value = value_of(name, indices)) return write_number(*value, from);
     if (vocabulary_.fixed.contains(name)) return write_number(vocabulary_.constants.find(name)->second, from);
-    const auto& all = vocabulary_.definitions;
-    const auto known = all.begin() + static_cast<std::ptrdiff_t>(std::min(known_, all.size()));
-    const auto defined = std::find_if(all.begin(), known, [&](const auto& one) { return one.name == name; });
-    if (defined == known) {
+    const std::size_t number = vocabulary_.definitions.number_of(name);
+    if (number >= std::min(known_, vocabulary_.definitions.size())) {
       if (term_ && sign != '(' && !is_common(name)) {
         term_->append_name(name);
         return true;
@@ -118,13 +118,14 @@ class Expander {
       return append(name, from, false);
     }
     Indices arguments;
-    if (!defined->indices.empty()) {
-      if (sign != '(') return refuse(from, std::string(name) + " is a definition with indices", shape_of(*defined));
+    const Vocabulary::Defined& defined = vocabulary_.definitions[number];
+    if (!defined.indices.empty()) {
+      if (sign != '(') return refuse(from, std::string(name) + " is a definition with indices", shape_of(defined));
       at = closing(text, next, to);
       if (at++ == to) return refuse(next, "( is never closed", ")");
-      if (!read_arguments(*defined, text, from, next + 1, at - 1, indices, arguments)) return false;
+      if (!read_arguments(defined, text, from, next + 1, at - 1, indices, arguments)) return false;
     }
-    return definition(static_cast<std::size_t>(defined - all.begin()), from, arguments);
+    return definition(number, from, arguments);
   }
 
   bool write_number(std::int64_t value, std::size_t position) {
@@ -133,6 +134,10 @@ class Expander {
     return append(value < 0 ? "(" + digits + ")" : digits, position, true);
   }
   std::optional<std::int64_t> index(std::string_view text, std::size_t from, std::size_t to, const Indices& indices) {
+    if (!work_.read(to - from)) {
+      too_long(from);
+      return std::nullopt;
+    }
     auto read = read_index(text, from, to, vocabulary_, indices, made_.used_);
     if (auto* fault = std::get_if<Fault>(&read)) {
       refuse(std::move(*fault));
@@ -168,6 +173,7 @@ class Expander {
                   element_name(name, 1) + " to " + element_name(name, count));
   }
   bool choice(std::string_view text, std::size_t position, std::size_t from, std::size_t to, Indices& indices) {
+    if (!work_.read(2 * (to - from))) return too_long(position);  // they are passed over twice
     const std::size_t first = comma(text, from, to), second = first < to ? comma(text, first + 1, to) : to;
     if (second == to || comma(text, second + 1, to) != to)
       return refuse(position, "if takes a condition and two formulas", "if(i < j, …, …)");
@@ -223,8 +229,9 @@ class Expander {
     indices.emplace_back(over->letter, 0);
     for (std::int64_t i = over->first; i <= over->last; ++i) {
       indices.back().second = i;
-      if (++terms_ > most_terms) return too_long(position);
+      if (++terms_ > most_terms_of_text) return too_long(position);
       if (more) {
+        if (!work_.step(to - from)) return too_long(position);
         if (!terms(text, position, over->body, to, adds, indices, any)) return false;
         continue;
       }
@@ -253,7 +260,7 @@ class Expander {
     bool good = true;
     for (std::int64_t i = over->first; i <= over->last && good; ++i) {
       indices.back().second = i;
-      good = more ? each_term(text, begin, stop, indices, f) : f(begin, stop);
+      good = more ? work_.step(to - from) && each_term(text, begin, stop, indices, f) : f(begin, stop);
     }
     indices.pop_back();
     return good;
@@ -272,8 +279,9 @@ class Expander {
   std::optional<bool> keep(std::string_view text, std::size_t position, std::size_t from, std::size_t to,
                            Indices& indices) {
     std::size_t count = 0;
-    each_term(text, from, to, indices, [&](std::size_t, std::size_t) { return ++count <= most_terms; });
-    if (count < kept_->few_terms || count > most_terms) return std::nullopt;
+    each_term(text, from, to, indices, [&](std::size_t, std::size_t) { return ++count <= most_terms_of_text; });
+    if (count < kept_->few_terms || count > most_terms_of_text) return std::nullopt;
+    if (kept_->terms + count > most_kept) return too_long(position);
     LargeSceneTurn::take();
     constexpr std::size_t bytes_of_term = 32;
     Held held = HeldByThread::take_soon(bytes_of_term * count);
@@ -294,11 +302,12 @@ class Expander {
     TermReader* const term = read(differing) ? &differing : read(alike) ? &alike : nullptr;
     if (!term) return std::nullopt;  // writing the sum out will find its faults and their positions
     terms_ += count;
-    if (terms_ > most_terms) return too_long(position);
+    if (terms_ > most_terms_of_text) return too_long(position);
     const std::string number = ")#" + std::to_string(kept_->all.size()) + ")";
     kept_->all.push_back(term->sum());
     held.shrink_to(0);
     kept_->held.add_soon(kept_->all.back().bytes());
+    kept_->terms += count;
     KeptSums* const sums = std::exchange(kept_, nullptr);  // within the first term, sums are written out
     const bool good =
         append("((", position, true) && write(text, body.first, body.second, *first) && append(number, position, true);
@@ -327,7 +336,7 @@ class Expander {
   bool definition(std::size_t which, std::size_t position, Indices& arguments) {
     const auto& defined = vocabulary_.definitions[which];
     if (!append("(", position, true)) return false;
-    const auto outer = std::exchange(definition_, which);
+    const auto outer = std::exchange(definition_, static_cast<std::uint32_t>(which));
     const std::size_t known = std::exchange(known_, which);
     if (!write(defined.text, 0, defined.text.size(), arguments)) return false;
     definition_ = outer;
@@ -337,13 +346,14 @@ class Expander {
 
   const Vocabulary& vocabulary_;
   Expansion& made_;
-  KeptSums* kept_;              ///< null: all sums are written out
+  KeptSums* kept_;  ///< null: all sums are written out
+  TextWork& work_;
   TermReader* term_ = nullptr;  ///< the reader of the kept sum whose term is being written; null outside of kept sums
   /// Cached words, by the address of their first character
   std::unordered_map<const char*, WordOfTerms> words_of_terms_;
   Expansion::Wrong wrong_;
-  std::optional<std::size_t> definition_{};  ///< the definition whose text is being written
-  std::size_t known_ = std::string::npos;    ///< only definitions with smaller numbers may be used
+  std::uint32_t definition_ = Expansion::none;  ///< the definition whose text is being written
+  std::size_t known_ = std::string::npos;       ///< only definitions with smaller numbers may be used
   std::size_t depth_ = 0;
   std::size_t terms_ = 0;  ///< terms of all sums so far, also those that a condition left empty
 };
@@ -351,9 +361,11 @@ class Expander {
 std::variant<Expansion, Expansion::Wrong> Expansion::of(std::string_view text, const Vocabulary& vocabulary,
                                                         const Indices& indices, KeptSums* kept) {
   Expansion made;
-  Expander expander(vocabulary, made, kept);
+  std::optional<TextWork> alone;
+  if (!TextWork::of_thread()) alone.emplace();
+  Expander expander(vocabulary, made, kept, *TextWork::of_thread());
   Indices own = indices;
-  if (!expander.write(text, 0, text.size(), own)) return expander.wrong();
+  if (!expander.fits(text, indices) || !expander.write(text, 0, text.size(), own)) return expander.wrong();
   return made;
 }
 
@@ -362,7 +374,7 @@ Expansion::Place Expansion::origin(std::size_t position) const {
   const auto after = std::upper_bound(parts_.begin(), parts_.end(), position,
                                       [](std::size_t at, const Part& part) { return at < part.at; });
   const Part& part = after == parts_.begin() ? *after : *std::prev(after);
-  return {part.whole ? part.position : part.position + (position - part.at), part.definition};
+  return {part.whole ? part.position : part.position + (position - part.at), definition_of(part.definition)};
 }
 
 std::string element_name(std::string_view list, std::int64_t index) {

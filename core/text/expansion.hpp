@@ -59,12 +59,14 @@ struct KeptSums {
   /// Sums of fewer terms are written out: they run as fast, and faster in implicit schemes
   std::size_t few_terms = 256;
   std::vector<KeptSum> all{};
+  std::size_t terms = 0;  ///< of all of them
   SumNames names{};
   Names not_in_them{};  ///< a sum whose terms contain one of these lists or names (such as velocities) is written out
   Held held = HeldByThread::take(0);
 
   void clear() {
     all.clear();
+    terms = 0;
     names = {};
     held.shrink_to(0);
   }
@@ -85,8 +87,9 @@ class Expansion {
   };
 
   /// of(text, …) writes `text` out, or returns what is wrong with it. `indices` are the values of indices that are
-  /// already set. `kept` receives the sums of many terms; null writes these out, too. The work is bounded: more than
-  /// most_written characters are refused.
+  /// already set. `kept` receives the sums of many terms; null writes these out, too. A text that would become too
+  /// large is refused before it is written out (size_of). The work is bounded by the TextWork of the thread, or by one
+  /// of its own.
   static std::variant<Expansion, Wrong> of(std::string_view text, const Vocabulary& vocabulary,
                                            const Indices& indices = {}, KeptSums* kept = nullptr);
 
@@ -98,11 +101,16 @@ class Expansion {
 
  private:
   friend class Expander;
+  static constexpr std::uint32_t none = 0xffffffff;
+  static std::optional<std::size_t> definition_of(std::uint32_t number) {
+    return number == none ? std::nullopt : std::optional<std::size_t>(number);
+  }
+  /// Texts of a million characters have some 400,000 parts.
   struct Part {
-    std::size_t at;        ///< first position in the written-out text
-    std::size_t position;  ///< position in the text that the part comes from
-    bool whole;            ///< the whole part comes from that one position
-    std::optional<std::size_t> definition;
+    std::uint32_t at;          ///< first position in the written-out text
+    std::uint32_t position;    ///< position in the text that the part comes from
+    std::uint32_t definition;  ///< the number of the definition that it comes from, or `none`
+    bool whole;                ///< the whole part comes from that one position
   };
   std::string text_;
   std::vector<Part> parts_;

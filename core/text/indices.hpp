@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
@@ -22,14 +23,55 @@ using Names = std::set<std::string, std::less<>>;
 /// Indices are the names of indices and their values, the innermost last.
 using Indices = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// Vocabulary is what a text may use besides the names that an Expression knows.
-struct Vocabulary {
-  struct Defined {
+/// TextSize is a lower bound of what a text becomes when it is written out; see core/text/text_size.hpp.
+struct TextSize {
+  std::size_t characters = 0;      ///< with all sums written out
+  std::size_t with_kept_sums = 0;  ///< characters, where sums of many terms are kept
+  std::size_t terms = 0;           ///< terms of all sums and products
+  std::size_t kept = 0;            ///< operations of the terms of sums that may be kept
+};
+
+/// Definitions is a list of definitions in their order, found by their names. A definition may use only those before
+/// it.
+class Definitions {
+ public:
+  struct One {
     std::string name;
     std::vector<std::string> indices;
     std::string text;
+    TextSize size{};
   };
-  std::vector<Defined> definitions;                        ///< a definition may use only those before it
+
+  Definitions() = default;
+  Definitions(std::initializer_list<One> all) {
+    for (const One& one : all) push_back(one);
+  }
+  void push_back(One one) {
+    numbers_.try_emplace(one.name, all_.size());
+    all_.push_back(std::move(one));
+  }
+  /// number_of(name) returns the number of the definition of this name; size() where there is none.
+  std::size_t number_of(std::string_view name) const {
+    const auto known = numbers_.find(name);
+    return known == numbers_.end() ? all_.size() : known->second;
+  }
+  const One& operator[](std::size_t number) const { return all_[number]; }
+  std::size_t size() const { return all_.size(); }
+  bool empty() const { return all_.empty(); }
+  auto begin() const { return all_.begin(); }
+  auto end() const { return all_.end(); }
+  auto rbegin() const { return all_.rbegin(); }
+  auto rend() const { return all_.rend(); }
+
+ private:
+  std::vector<One> all_;
+  std::map<std::string, std::size_t, std::less<>> numbers_;
+};
+
+/// Vocabulary is what a text may use besides the names that an Expression knows.
+struct Vocabulary {
+  using Defined = Definitions::One;
+  Definitions definitions{};
   std::map<std::string, std::int64_t, std::less<>> lists;  ///< by list, the number of its elements
   /// constants with whole values, which bounds and indices may use
   std::map<std::string, std::int64_t, std::less<>> constants;

@@ -6,32 +6,12 @@
 #include <string_view>
 #include <utility>
 
-#include "core/text/characters.hpp"
+#include "core/text/names_in_text.hpp"
 #include "core/text/text_reader.hpp"
+#include "core/text/text_work.hpp"
 
 namespace least::text {
 namespace {
-
-/// each_name calls see(position, name) for the names in a text; an exponent, as in 1e5, is part of a number.
-template <class See>
-void each_name(std::string_view text, See&& see) {
-  for (std::size_t at = 0; at < text.size();) {
-    std::size_t end = at + 1;
-    if (is_letter(text[at])) {
-      end = end_of_word(text, at, text.size());
-      see(at, text.substr(at, end - at));
-    } else if (is_digit(text[at])) {
-      end = end_of_word(text, at, text.size());
-    }
-    at = end;
-  }
-}
-
-/// is_set_at tells whether a name that ends there is the index of a sum or a product: `i = 1..n`.
-bool is_set_at(std::string_view text, std::size_t end) {
-  while (end < text.size() && is_space(text[end])) ++end;
-  return text.substr(end, 1) == "=" && text.substr(end, 2) != "==";
-}
 
 /// stated_names returns the names of the scene that its texts may use, the most telling first.
 std::vector<std::string> stated_names(const TypedScene& typed, const Vocabulary& vocabulary) {
@@ -57,8 +37,8 @@ std::string listed(const std::vector<std::string>& names) {
   return names.size() > most ? list + ", …" : list;
 }
 
-/// Returns the names that the mechanics use, those of definitions with the names in their texts.
-Names used_names(const TypedScene& typed, const Vocabulary& vocabulary) {
+/// Returns the names that the texts of the mechanics contain.
+Names spoken_names(const TypedScene& typed) {
   Names used;
   const auto use = [&](std::string_view text) {
     each_name(text, [&](std::size_t, std::string_view name) { used.emplace(name); });
@@ -69,18 +49,22 @@ Names used_names(const TypedScene& typed, const Vocabulary& vocabulary) {
     for (const auto& [variable, text] : *named) use(text);
   for (const auto* text : {&scene.damping, &scene.action_curvature, &scene.offset, &scene.dissipation})
     use(text->value_or(""));
+  return used;
+}
+
+/// Returns the names that the mechanics use, those of definitions with the names in their texts.
+Names used_names(const TypedScene& typed, const Vocabulary& vocabulary) {
+  Names used = spoken_names(typed);
   // A definition uses only those before it.
   std::for_each(vocabulary.definitions.rbegin(), vocabulary.definitions.rend(), [&](const Vocabulary::Defined& one) {
-    if (used.contains(one.name)) use(one.text);
+    if (used.contains(one.name)) each_name(one.text, [&](std::size_t, std::string_view name) { used.emplace(name); });
   });
   return used;
 }
 
 std::optional<Fault> unknown_name(const Vocabulary::Defined& definition, const Names& known) {
-  Names indices(definition.indices.begin(), definition.indices.end());
-  each_name(definition.text, [&](std::size_t at, std::string_view name) {
-    if (is_set_at(definition.text, at + name.size())) indices.emplace(name);
-  });
+  Names indices = indices_set_in(definition.text);
+  indices.insert(definition.indices.begin(), definition.indices.end());
   std::optional<Fault> found;
   each_name(definition.text, [&](std::size_t at, std::string_view name) {
     if (!found && !known.contains(name) && !indices.contains(name))
@@ -90,6 +74,38 @@ std::optional<Fault> unknown_name(const Vocabulary::Defined& definition, const N
 }
 
 }  // namespace
+
+std::vector<DefinitionFault> faults_in_unused(const TypedScene& typed, const Vocabulary& vocabulary) {
+  constexpr std::size_t most_told = 100;
+  Names spoken = spoken_names(typed);
+  for (const auto& [key, text] : typed.definitions)
+    each_name(text, [&](std::size_t, std::string_view name) { spoken.emplace(name); });
+  std::vector<DefinitionFault> faults;
+  const auto pointer_of = [&](std::size_t definition) {
+    return pointer_to("/definitions/", typed.definitions[definition].first);
+  };
+  TextWork work;
+  std::size_t left = most_written;
+  for (std::size_t i = 0; i < vocabulary.definitions.size() && faults.size() < most_told; ++i) {
+    const Vocabulary::Defined& one = vocabulary.definitions[i];
+    if (!one.indices.empty() || spoken.contains(one.name)) continue;
+    if (!exceeds(one.size, false) && one.size.characters > left) continue;
+    auto made = Expansion::of(one.text, vocabulary);
+    if (auto* wrong = std::get_if<Expansion::Wrong>(&made)) {
+      faults.push_back({pointer_of(wrong->definition.value_or(i)), std::move(wrong->fault)});
+      continue;
+    }
+    auto& expansion = std::get<Expansion>(made);
+    left -= std::min(left, expansion.text().size());
+    auto parsed = Expression::parse(expansion.text(), most_written);
+    if (auto* fault = std::get_if<Fault>(&parsed)) {
+      const Expansion::Place place = expansion.origin(fault->position);
+      fault->position = place.position;
+      faults.push_back({pointer_of(place.definition.value_or(i)), std::move(*fault)});
+    }
+  }
+  return faults;
+}
 
 std::vector<DefinitionFault> unknown_names_in_unused(const TypedScene& typed, const Vocabulary& vocabulary) {
   constexpr std::size_t most_told = 100;

@@ -9,6 +9,10 @@
 
 namespace least::text {
 
+/// faults_in_unused returns the faults of definitions without indices that no other text uses. It writes out as many of
+/// them as a request may have characters.
+std::vector<DefinitionFault> faults_in_unused(const TypedScene& typed, const Vocabulary& vocabulary);
+
 /// unknown_names_in_unused returns a fault for each definition that the mechanics do not use, directly or through other
 /// definitions, and that contains a name nobody knows: the first such name. Columns and events may use these
 /// definitions, but know no other names. `vocabulary` is that of the scene, with its definitions in the order typed.

@@ -4,39 +4,19 @@
 #include <cmath>
 
 #include "core/text/characters.hpp"
+#include "core/text/definitions_reader.hpp"
 #include "core/text/scene.hpp"
 #include "core/text/text_reader.hpp"
+#include "core/text/text_work.hpp"
 #include "core/text/unused_definitions.hpp"
 
 namespace least::text {
 namespace {
 
-constexpr std::array<std::string_view, 4> words_of_expansion{"sum", "prod", "if", "mod"};
-
 std::string_view trimmed(std::string_view text) {
   const auto from = text.find_first_not_of(" \t\n\r");
   return from == std::string_view::npos ? std::string_view()
                                         : text.substr(from, text.find_last_not_of(" \t\n\r") + 1 - from);
-}
-
-/// declaration(`d(i,j)`) returns the name and its indices; an empty name where the text is no declaration.
-Vocabulary::Defined declaration(std::string_view typed) {
-  Vocabulary::Defined made;
-  const std::size_t open = typed.find('(');
-  const std::string_view name = trimmed(typed.substr(0, open));
-  if (!is_name(name) || name.size() > longest_name) return {};
-  if (open != std::string_view::npos) {
-    if (typed.back() != ')') return {};
-    for (std::size_t from = open + 1; from <= typed.size() - 1;) {
-      const std::size_t to = std::min(typed.find(',', from), typed.size() - 1);
-      const std::string_view letter = trimmed(typed.substr(from, to - from));
-      if (!is_name(letter)) return {};
-      made.indices.emplace_back(letter);
-      from = to + 1;
-    }
-  }
-  made.name = name;
-  return made;
 }
 
 }  // namespace
@@ -52,13 +32,13 @@ class SceneWriter {
     read_vocabulary();
     if (faults_.empty()) declare_variables();
     const bool declared = faults_.empty();
-    if (declared) read_definitions();
+    if (declared) faults_ = read_definitions(*typed_, sums() != nullptr, vocabulary_);
     if (declared) choose_sums();
     do {
       vocabulary_.fixed = used_;
       if (declared) write_texts();
     } while (faults_.empty() && vocabulary_.fixed != used_);
-    if (faults_.empty()) read_unused();
+    if (faults_.empty()) faults_ = faults_in_unused(*typed_, vocabulary_);
     if (faults_.empty()) faults_ = unknown_names_in_unused(*typed_, vocabulary_);
     if (!faults_.empty()) return std::move(faults_);
     Definition& made = out_.definition_;
@@ -162,72 +142,6 @@ class SceneWriter {
     }
   }
 
-  void read_definitions() {
-    const auto known = function_names();
-    const auto taken = [&](const std::string& name) {
-      const auto is = [&](std::string_view other) { return other == name; };
-      return std::ranges::any_of(known, is) || std::ranges::any_of(words_of_expansion, is) ||
-             std::ranges::any_of(given().variables, is) || vocabulary_.lists.contains(name) || name == "t" ||
-             name == "s" || name == "pi" || name == "energy" ||
-             std::ranges::any_of(given().parameters, is, &std::pair<std::string, double>::first) ||
-             std::ranges::any_of(vocabulary_.definitions, is, &Vocabulary::Defined::name);
-    };
-    for (const auto& [key, text] : typed_->definitions) {
-      Vocabulary::Defined made = declaration(key);
-      made.text = text;
-      if (made.name.empty())
-        fault(pointer_to("/definitions/", key), "\"" + key.substr(0, 40) + "\" cannot be a name", "as r or d(i, j)");
-      else if (taken(made.name))
-        fault(pointer_to("/definitions/", key), made.name + " is something else already", "names that differ");
-      else
-        vocabulary_.definitions.push_back(std::move(made));
-    }
-    for (const Vocabulary::Defined& made : vocabulary_.definitions) check_grammar(made);
-  }
-  /// check_grammar checks a definition without indices, which reads the same wherever it is used.
-  void check_grammar(const Vocabulary::Defined& made) {
-    const auto expanded = Expansion::of(made.text, vocabulary_);
-    const auto* const expansion = std::get_if<Expansion>(&expanded);
-    if (!made.indices.empty() || !expansion) return;  // faults are found where the definition is used
-    auto parsed = Expression::parse(expansion->text());
-    auto* const fault = std::get_if<Fault>(&parsed);
-    if (!fault || expansion->origin(fault->position).definition) return;
-    fault->position = expansion->origin(fault->position).position;
-    faults_.push_back({pointer_to("/definitions/", made.name), std::move(*fault)});
-  }
-
-  /// read_unused checks the definitions without indices that no text of the mechanics uses: columns and events may use
-  /// them.
-  void read_unused() {
-    Vocabulary before = vocabulary_;
-    before.definitions.clear();
-    for (const Vocabulary::Defined& one : vocabulary_.definitions) {
-      if (one.indices.empty() && !is_spoken_of(one.name)) {
-        const std::string pointer = pointer_of(before.definitions.size());
-        auto made = Expansion::of(one.text, before);
-        if (auto* wrong = std::get_if<Expansion::Wrong>(&made)) {
-          faults_.push_back({wrong->definition ? pointer_of(*wrong->definition) : pointer, std::move(wrong->fault)});
-        } else if (auto parsed = Expression::parse(std::get<Expansion>(made).text(), most_written);
-                   auto* fault = std::get_if<Fault>(&parsed)) {
-          const Expansion::Place place = std::get<Expansion>(made).origin(fault->position);
-          fault->position = place.position;
-          faults_.push_back({place.definition ? pointer_of(*place.definition) : pointer, std::move(*fault)});
-        }
-      }
-      before.definitions.push_back(one);
-    }
-  }
-  bool is_spoken_of(const std::string& name) const {
-    const auto speaks = [&](std::string_view text) { return speaks_of(text, name); };
-    const auto any = [&](const Definition::Named& named) {
-      return std::ranges::any_of(named, speaks, &Definition::Named::value_type::second);
-    };
-    return speaks(given().formula) || any(given().masses) || any(given().equations) || any(given().invariants) ||
-           any(given().forces) || any(typed_->definitions) || speaks(given().damping.value_or("")) ||
-           speaks(given().action_curvature.value_or("")) || speaks(given().offset.value_or("")) ||
-           speaks(given().dissipation.value_or(""));
-  }
-
   /// choose_sums decides which sums are kept. Second derivatives by velocities or momenta are taken coordinate by
   /// coordinate, so that sums that contain these are written out.
   void choose_sums() {
@@ -273,6 +187,7 @@ class SceneWriter {
   }
 
   void write_texts() {
+    TextWork work;  // for all texts of the scene
     Definition& made = out_.definition_;
     std::vector<std::string> variables = std::move(made.variables);
     made = {};
@@ -319,6 +234,7 @@ class SceneWriter {
       }
       changed_ = true;
       const auto values = vocabulary_.lists.find(trimmed(text));
+      if (indexed && !fits(pointer, text, letter, known->second, sums != nullptr)) continue;
       if (!indexed && values != vocabulary_.lists.end() && values->second != known->second) {
         fault(pointer, "is a list of another length", std::to_string(known->second));
         continue;
@@ -332,6 +248,29 @@ class SceneWriter {
       }
     }
     return made;
+  }
+
+  /// fits tells whether a text written out for each element of a list may become short enough; otherwise it notes a
+  /// fault, before anything is written.
+  bool fits(const std::string& pointer, std::string_view text, const std::string& letter, std::int64_t count,
+            bool keeps) {
+    constexpr std::size_t most_measured = 1'000'000;  // characters; the size of a part is a lower bound, too
+    const auto measured = static_cast<std::int64_t>(most_measured / (text.size() + 1));
+    TextSize all;
+    std::size_t place = 0;
+    for (std::int64_t k = 1; k <= std::min(count, measured); ++k) {
+      add(all, size_of(text, vocabulary_, {{letter, k}}, keeps, place));
+      if (keeps && all.kept > most_kept) {
+        faults_.push_back(
+            {pointer, {0, "takes too many operations", std::to_string(most_kept) + " in the terms of all sums", {}}});
+        return false;
+      }
+      if (all.characters > most_of_terms || (keeps ? all.with_kept_sums : all.characters) > most_written) {
+        faults_.push_back({pointer, too_many_operations_at(place)});
+        return false;
+      }
+    }
+    return true;
   }
 
   std::shared_ptr<const TypedScene> typed_;
@@ -369,6 +308,10 @@ std::int64_t length_of_list(const Definition& scene, std::string_view name) {
   if (!scene.vocabulary) return 0;
   const auto list = scene.vocabulary->lists.find(name);
   return list == scene.vocabulary->lists.end() ? 0 : list->second;
+}
+
+std::size_t operations_beside(const TextScene* scene) {
+  return scene && scene->definition.typed ? most_operations_beside : most_operations;
 }
 
 std::variant<Expression, Fault> parse_in_words_of(const TextScene* scene, std::string text) {

@@ -66,6 +66,13 @@ class WrittenOut {
 /// length_of_list returns how many elements the list of this name has; 0 where the scene has no such list.
 std::int64_t length_of_list(const Definition& scene, std::string_view name);
 
+/// Operations of all expressions of a kind that accompany a scene, such as those of columns, with their sums written
+/// out. Derivatives are taken of them, for which a tape has twice the room.
+inline constexpr std::size_t most_operations_beside = std::size_t{1} << 15;
+
+/// operations_beside returns how many operations all expressions of a kind that accompany this scene may take together.
+std::size_t operations_beside(const TextScene* scene);
+
 /// parse_in_words_of parses an expression that accompanies a scene, such as that of a column, with the scene's lists
 /// and definitions; `scene` is null for scenes that were not given as text.
 std::variant<Expression, Fault> parse_in_words_of(const TextScene* scene, std::string text);

@@ -176,13 +176,17 @@ bool is_in_velocities(const Json& root, const text::TextScene* text) {
 }
 
 // without_lists returns a start, or parameters, with lists replaced by their elements: {"x": [1, 2]} becomes {"x[1]":
-// 1, "x[2]": 2}.
+// 1, "x[2]": 2}. Where something else stands for a list it is left out.
 Json without_lists(const Json& initial, const FieldPath& start, const text::TextScene& text) {
   Json elements = Json::object();
   for (const auto& [name, entry] : initial.items()) {
     const std::int64_t count = text::length_of_list(text.definition, name);
-    if (count == 0 || !entry.is_array()) {
+    if (count == 0) {
       elements[name] = entry;
+    } else if (!entry.is_array()) {
+      start.at(name).fault("is a list and takes as many numbers as it has elements", entry,
+                           fmt::format("{} numbers, or one of {} to {}", count, text::element_name(name, 1),
+                                       text::element_name(name, count)));
     } else if (entry.size() != static_cast<std::size_t>(count)) {
       start.at(name).lacks("is a list of " + std::to_string(entry.size()) + " numbers",
                            std::to_string(count) + " numbers");
@@ -200,10 +204,10 @@ Json without_lists(const Json& initial, const FieldPath& start, const text::Text
   return elements;
 }
 
-// has_list_of tells whether a list of parameters is given beside the id.
+// has_list_of tells whether a list of parameters is given beside the id, or something that stands for one.
 bool has_list_of(const Json& problem, const std::vector<ParameterCard>& parameters, const Names& keys) {
   for (const auto& [name, entry] : problem.items()) {
-    if (!entry.is_array() || std::ranges::find(keys, name) != keys.end()) continue;
+    if (std::ranges::find(keys, name) != keys.end()) continue;
     const std::string first = text::element_name(name, 1);
     if (std::ranges::find(parameters, first, &ParameterCard::name) != parameters.end()) return true;
   }

@@ -8,7 +8,9 @@
 #include "core/catalogue/recorded.hpp"
 #include "core/run/columns.hpp"
 #include "core/text/scene.hpp"
+#include "core/text/sized_scene.hpp"
 #include "core/text/velocities.hpp"
+#include "core/text/written_out.hpp"
 #include "server/encode/answer_parts.hpp"
 #include "server/shared/beside_acts.hpp"
 
@@ -117,16 +119,19 @@ void write_language(JsonWriter& json) {
   for (const char* sign : {"+", "-", "*", "/", "^", "**", "<", "<=", ">", ">=", "and", "or", "not"}) json.text(sign);
   json.close(']').key("names").text(
       fmt::format("a letter, then letters, digits, _: at most {} before an index", text::longest_name));
-  const std::pair<const char*, std::size_t> limits[] = {{"coordinates", text::most_coordinates},
-                                                        {"variables_of_equations", text::most_variables},
-                                                        {"coupled_velocities", text::Velocities::most_coupled},
-                                                        {"parameters", text::most_parameters},
-                                                        {"invariants", text::most_invariants},
-                                                        {"characters", text::most_characters},
-                                                        {"operations", text::most_operations},
-                                                        {"operations_of_long_sums", text::most_kept},
-                                                        {"operations_with_sums_written_out", text::most_summed},
-                                                        {"nesting", text::most_nesting}};
+  const std::pair<const char*, std::size_t> limits[] = {
+      {"coordinates", text::most_coordinates},
+      {"variables_of_equations", text::most_variables},
+      {"coupled_velocities", text::Velocities::most_coupled},
+      {"parameters", text::most_parameters},
+      {"invariants", text::most_invariants},
+      {"characters", text::most_characters},
+      {"operations", text::most_operations},
+      {"operations_of_long_sums", text::most_kept},
+      {"operations_with_sums_written_out", text::most_summed},
+      {"operations_of_columns_or_events", text::most_operations_beside},
+      {"operations_of_the_motion", text::SizedScene::most_equations},
+      {"nesting", text::most_nesting}};
   json.key("limits").open('{');
   for (const auto& [name, most] : limits) json.key(name).integer(static_cast<std::int64_t>(most));
   json.close('}').close('}');

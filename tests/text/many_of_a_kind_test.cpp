@@ -197,7 +197,8 @@ TEST(ManyOfAKind, FaultsPointToWhatWasTyped) {
   EXPECT_EQ(first_fault(typed), "/masses/x: is a list of another length");
   typed = chain();
   typed.definitions.push_back({"x", "1"});
-  EXPECT_EQ(first_fault(typed), "/definitions/x: x is something else already");
+  EXPECT_EQ(first_fault(typed),
+            "/definitions/x: x is something else already, a variable: it cannot be a definition, too");
 }
 
 TEST(ManyOfAKind, IsNotWrittenOutForMoreVariablesThanThereMayBe) {

@@ -8,6 +8,7 @@
 
 #include "core/ensemble/members.hpp"
 #include "core/text/expansion.hpp"
+#include "core/text/sized_scene.hpp"
 #include "core/text/start_velocities.hpp"
 #include "core/text/velocities.hpp"
 #include "core/text/written_out.hpp"
@@ -320,12 +321,13 @@ Json typed_problem() {
       "an index. At most {} coordinates, of which a Lagrangian couples the velocities of {} where it is not quadratic "
       "in "
       "them, {} variables of equations; {} characters as typed, {} operations, {} in the terms of long sums, {} with "
-      "all others written out. Numbers of `initial`, `until`, "
+      "all others written out, {} so in columns or in events, {} in the equations of motion. Numbers of `initial`, "
+      "`until`, "
       "parameters and settings may be texts "
       "of constants, as \"2*pi/3\".",
       fmt::join(text::function_names(), " "), text::longest_name, text::most_coordinates,
       text::Velocities::most_coupled, text::most_variables, text::most_characters, text::most_operations,
-      text::most_kept, text::most_summed);
+      text::most_kept, text::most_summed, text::most_operations_beside, text::SizedScene::most_equations);
   return schema;
 }
 

@@ -131,8 +131,9 @@ Acts::Effect Acts::act(std::size_t event, RunState& x) {
     if (!(defect <= done.defect)) done.defect = defect;  // NaN stays NaN
   }
   ++done.count;
-  std::shift_right(done.times.begin(), done.times.end(), 1);
-  done.times[0] = x.t;
+  constexpr std::ptrdiff_t times_kept = 3 * 4096 + 1;  // three strides of the longest sequence that is recognised
+  if (std::ssize(done.times) == 2 * times_kept) done.times.erase(done.times.begin(), done.times.end() - times_kept);
+  done.times.push_back(x.t);
   if (done.count == act.most) return Effect::completes;
   if (comes_to_rest(event, before, x)) return Effect::rests;
   return has_piled_up(event, x) ? Effect::piles_up : Effect::goes_on;
@@ -183,21 +184,33 @@ bool Acts::comes_to_rest(std::size_t event, const RunState& before, const RunSta
   return true;
 }
 
-/// has_piled_up returns whether the last times of an event form a geometric sequence so close to its limit that further
-/// events are lost in the rounding of the time or of the state.
+/// has_piled_up returns whether the intervals between the last times of an event shrink like a geometric sequence and
+/// the next one is lost in the rounding of the time, or of the state. A sequence that has not come so far may still
+/// turn, as of a ball that is thrown again once it is slow: it goes on. Intervals that shrink slowly are compared over
+/// strides of many events, so that their ratio stands out from the rounding; where it tends to 1 they have a limit of
+/// their own.
 bool Acts::has_piled_up(std::size_t event, const RunState& after) {
-  constexpr double near = 1e-7, alike = 0.05;
-  const Done& done = done_[event];
-  if (done.count < static_cast<std::int64_t>(done.times.size())) return false;
-  const auto [t, before, earlier, first] = done.times;
-  const double last = t - before, one = before - earlier, other = earlier - first;
-  if (!(last < one && one < other)) return false;
-  const double ratio = last / one;
-  if (!(ratio < 1 - near)) return false;
-  if (!(std::abs(ratio - one / other) < alike)) return false;
-  if (!(last < near * (t - request_.scene->start)) && !is_hidden(event, after, last * ratio)) return false;
-  limit_ = t + last * ratio / (1 - ratio);
-  return true;
+  constexpr double shorter = 0.75, alike = 0.05, lost = 4, resolved = 1024, given_back = 8;
+  const std::vector<double>& times = done_[event].times;
+  if (times.size() < 4) return false;
+  // The time of the event before the last one is at(1).
+  const auto at = [&times](std::size_t back) { return times[times.size() - 1 - back]; };
+  const double unit =
+      std::numeric_limits<double>::epsilon() * std::fmax(std::abs(at(0)), std::abs(request_.scene->start));
+  limit_ = at(0);
+  if (at(0) - at(3) <= lost * unit) return true;
+  for (std::size_t stride = 1; 3 * stride < times.size(); stride *= 2) {
+    const double last = at(0) - at(stride), one = at(stride) - at(2 * stride), other = at(2 * stride) - at(3 * stride);
+    const double ratio = last / one;
+    if (!(ratio < shorter && std::abs(ratio - one / other) < alike)) continue;
+    const double each = std::pow(ratio, 1 / static_cast<double>(stride)), next = (at(0) - at(1)) * each;
+    // Rounding of the state may give back what an act takes away once that is only a few units.
+    const bool hidden = next < std::fmax(resolved, given_back / (1 - each)) * rounding_in_time(event, after);
+    if (!(next < resolved * unit || hidden)) return false;
+    limit_ = at(0) + last * ratio / (1 - ratio);
+    return true;
+  }
+  return false;
 }
 
 double Acts::rounding_of(std::size_t event, const RunState& x) const {
@@ -215,11 +228,9 @@ double Acts::rounding_of(std::size_t event, const RunState& x) const {
   return values[event].width();
 }
 
-bool Acts::is_hidden(std::size_t event, const RunState& after, double until_next) const {
-  constexpr double little = 64;
-  if (rate_of(event, after) == 0) return false;  // a motion left at rest begins anew
-  // A parabola between two zeros reaches at most a quarter of their distance times its slope at the first.
-  return std::abs(rate_of(event, after)) * until_next / 4 < little * rounding_of(event, after);
+double Acts::rounding_in_time(std::size_t event, const RunState& x) const {
+  const double rate = std::abs(rate_of(event, x));
+  return rate > 0 ? rounding_of(event, x) / rate : 0;  // a motion left at rest begins anew
 }
 
 double Acts::defect_of(std::size_t event, const RunState& before, const RunState& after) const {

@@ -5,7 +5,6 @@
 // Source: Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004, chapter 7.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -55,8 +54,8 @@ class Acts {
  private:
   struct Done {
     std::int64_t count = 0;
-    std::array<double, 4> times{};  ///< of the last acts, latest first
-    double rate = unknown;          ///< time derivative of the event's expression right after its last act
+    std::vector<double> times;  ///< of the last acts, latest last
+    double rate = unknown;      ///< time derivative of the event's expression right after its last act
     double defect = 0;
   };
   bool has_piled_up(std::size_t event, const RunState& after);
@@ -70,9 +69,8 @@ class Acts {
   double value_of(std::size_t event, const RunState& x) const;
   /// rounding_of returns the width of the interval of values that the event's expression has within the rounding of x.
   double rounding_of(std::size_t event, const RunState& x) const;
-  /// is_hidden returns whether the event's expression stays within round-off from `after` until it vanishes again, a
-  /// time `until_next` later.
-  bool is_hidden(std::size_t event, const RunState& after, double until_next) const;
+  /// rounding_in_time returns how far the rounding of x moves the time at which the event's expression vanishes.
+  double rounding_in_time(std::size_t event, const RunState& x) const;
   double defect_of(std::size_t event, const RunState& before, const RunState& after) const;
 
   const RunBackend& backend_;

@@ -43,6 +43,7 @@ std::variant<Scene, std::string> backward(const Scene& scene) {
     auto read = text::TextScene::read(std::move(definition));
     if (auto* faults = std::get_if<std::vector<text::DefinitionFault>>(&read)) return faults->front().fault.detail;
     text = std::get<text::TextScene>(std::move(read));
+    if (typed->known) text.known = scene.card();
   } else {
     auto recorded = recorded_text(scene.card(), scene.parameters, true);
     if (!recorded) return "this problem runs forward in time alone";

@@ -5,7 +5,7 @@
 namespace least {
 
 std::shared_ptr<const ForwardTable> ForwardTable::of(const text::TextScene& scene) {
-  if (!scene.forward || !scene.known) return nullptr;
+  if (!scene.forward || scene.forward->mechanics->text()) return nullptr;
   return std::shared_ptr<const ForwardTable>(new ForwardTable(scene));
 }
 

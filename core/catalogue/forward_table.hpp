@@ -13,7 +13,7 @@ namespace least {
 
 class ForwardTable {
  public:
-  /// The table of a scene that goes backward; null if it goes forward, or if it was typed as text, which needs none.
+  /// The table of a scene that goes backward; null if it goes forward, or if it was given as text, which needs none.
   static std::shared_ptr<const ForwardTable> of(const text::TextScene& scene);
 
   /// Adds the properties of the forward problem to those of the backward scene.

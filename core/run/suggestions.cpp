@@ -17,6 +17,12 @@ std::optional<double> named(const std::vector<NamedValue>& values, std::string_v
   return found == values.end() || std::isnan(found->second) ? std::nullopt : std::optional(found->second);
 }
 
+/// card_scene returns the scene that cards and presets speak of: of one that goes backward the forward one.
+const Scene& card_scene(const Scene& scene) {
+  const text::TextScene* const text = scene.mechanics->text();
+  return text && text->forward ? *text->forward : scene;
+}
+
 /// own_scene returns the scene that the suggestions were made for.
 Scene own_scene(const Scene& scene, const PresetCard* preset) {
   const ProblemCard& card = scene.card();
@@ -93,8 +99,9 @@ std::vector<double> plain_settings(const ProblemCard* problem, const SchemeCard&
   return settings;
 }
 
-void adapt_to_units(const Scene& scene, const SchemeCard& scheme, const PresetCard* preset,
+void adapt_to_units(const Scene& asked, const SchemeCard& scheme, const PresetCard* preset,
                     const std::vector<bool>& given, std::vector<double>& settings) {
+  const Scene& scene = card_scene(asked);
   std::array<std::optional<Comparison>, 2> scales;  // at index `of_card`
   for (std::size_t i = 0; i < scheme.parameters.size(); ++i) {
     const ParameterCard& parameter = scheme.parameters[i];
@@ -110,12 +117,13 @@ void adapt_to_units(const Scene& scene, const SchemeCard& scheme, const PresetCa
 }
 
 std::vector<double> suggested_settings(const Scene& scene, const SchemeCard& scheme, const PresetCard* preset) {
-  std::vector<double> settings = plain_settings(&scene.card(), scheme, preset);
+  std::vector<double> settings = plain_settings(&card_scene(scene).card(), scheme, preset);
   adapt_to_units(scene, scheme, preset, std::vector<bool>(settings.size(), false), settings);
   return settings;
 }
 
-double suggested_span(const Scene& scene, const PresetCard* preset) {
+double suggested_span(const Scene& asked, const PresetCard* preset) {
+  const Scene& scene = card_scene(asked);
   constexpr double far = 1000;
   const double span = preset && preset->span > 0 ? preset->span : scene.card().span;
   const text::TextScene* const text = scene.mechanics->text();

@@ -21,10 +21,10 @@ std::vector<double> suggested_settings(const Scene& scene, const SchemeCard& sch
 /// plain_settings returns the settings as the cards suggest them, whatever the units of the scene.
 std::vector<double> plain_settings(const ProblemCard* problem, const SchemeCard& scheme, const PresetCard* preset);
 /// adapt_to_units scales those of `settings` that were not given to the units of the scene.
-void adapt_to_units(const Scene& scene, const SchemeCard& scheme, const PresetCard* preset,
+void adapt_to_units(const Scene& asked, const SchemeCard& scheme, const PresetCard* preset,
                     const std::vector<bool>& given, std::vector<double>& settings);
 /// suggested_span returns the default length of a run: that of the cards, unless it is a thousand times too long or too
 /// short for the motion of the scene.
-double suggested_span(const Scene& scene, const PresetCard* preset);
+double suggested_span(const Scene& asked, const PresetCard* preset);
 
 }  // namespace least

@@ -47,7 +47,7 @@ TextScene TextScene::of(Definition definition, std::shared_ptr<const Form> form)
 }
 
 std::shared_ptr<const SizedScene> TextScene::sized(std::span<const double> parameters) const {
-  if (!known) return made->with(*form, parameters);
+  if (!known || forward) return made->with(*form, parameters);
   // Not charged to the request: a problem of the catalogue stays in memory when the request is over
   const HeldByThread nobody(nullptr);
   return made->with(*form, parameters);

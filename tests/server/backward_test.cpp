@@ -60,6 +60,22 @@ TEST_F(Backward, EverySchemeReturns) {
   }
 }
 
+// Every default comes from the catalogue, in either direction: also of its problems that are given as text.
+TEST_F(Backward, HasTheSameDefaults) {
+  for (const auto& problem : problem_list()) {
+    const ProblemCard& card = problem->card();
+    for (const std::size_t place : card.schemes) {
+      const std::string& scheme = schemes()[place].id;
+      if (scheme == "contact_splitting" && !card.keeps_form) continue;
+      Json request{{"problem", card.id}, {"scheme", scheme}, {"until", 1e-3}, {"record", {{"every", 0}}}};
+      const Json forward = answer(request);
+      request["until"] = -1e-3;
+      const Json back = answer(request);
+      EXPECT_EQ(back["scheme"], forward["scheme"]) << card.id;
+    }
+  }
+}
+
 /// Diagnostics at a problem's own sections, or averages along a motion: these exist forward only.
 const std::set<std::string> known_forward_alone{"entropy", "zeros", "moments", "slope", "cycle", "poles"};
 

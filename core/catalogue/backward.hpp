@@ -17,8 +17,9 @@ namespace least {
 
 /// backward returns the scene whose forward motion is the backward motion of this one, from the same state at the time
 /// −start; variables, columns and expressions keep their names. For a problem of the catalogue it is a scene as text
-/// with the domain, energy, quantities and orbital elements of the problem (core/catalogue/forward_table.hpp), but
-/// without its closed form and its sections. If there is no such scene, it returns the reason in words.
+/// with the domain, energy, local frequency, quantities and orbital elements of the problem
+/// (core/catalogue/forward_table.hpp), but without its closed form and its sections. If there is no such scene, it
+/// returns the reason in words.
 std::variant<Scene, std::string> backward(const Scene& scene);
 
 /// forward_of returns the scene that `backward` was given, or the scene itself if it goes forward.

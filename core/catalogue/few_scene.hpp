@@ -2,11 +2,14 @@
 // states in registers, and loops over coordinates are unrolled.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 #include "core/catalogue/frequency_floor.hpp"
 #include "core/number/vector.hpp"
+#include "core/run/problem_table.hpp"
 #include "core/schemes/transformed_stepper.hpp"
 #include "core/text/sized_scene.hpp"
 
@@ -53,14 +56,20 @@ class FewScene {
     for (std::size_t i = 0; i < N; ++i) here.slope[i] = both[i + 1];
     return here;
   }
-  /// follow_from sets the FrequencyFloor of a motion that starts at q with the energy `level`; `unit` is an energy of
-  /// the scene.
-  void follow_from(const Vec<N>& q, double level, double unit) {
+  /// follow_from chooses the local frequency along a motion that starts at q with the energy `level`: the estimate of
+  /// the problem, whose `table` has to outlive this scene, where it has one, as those of the catalogue that go
+  /// backward; else that of V″ with a FrequencyFloor. `unit` is an energy of the scene.
+  void follow_from(const Vec<N>& q, double level, double unit, const ProblemTable& table) {
+    known_ = &table;
+    if (std::isfinite(known_frequency_squared(q))) return;
+    known_ = nullptr;
     const Vec<N> slope = gradient(q, 0);
     floor_ = {bent_at(q), dot(slope, velocity(slope)), level - potential(q, 0), unit, level};
   }
   /// The squared local frequency along that motion.
-  double frequency_squared(const Vec<N>& q) const { return floor_(bent_at(q), potential(q, 0)); }
+  double frequency_squared(const Vec<N>& q) const {
+    return known_ ? known_frequency_squared(q) : floor_(bent_at(q), potential(q, 0));
+  }
   Vec<N> velocity(const Vec<N>& p) const {
     Vec<N> v;
     for (std::size_t i = 0; i < N; ++i) {
@@ -90,7 +99,14 @@ class FewScene {
     return std::sqrt(sum);
   }
 
+  double known_frequency_squared(const Vec<N>& q) const {
+    std::array<double, 2 * N> at_rest{};
+    std::copy(q.begin(), q.end(), at_rest.begin());
+    return known_->frequency_squared({0, at_rest.data()});
+  }
+
   const text::SizedScene* scene_;
+  const ProblemTable* known_ = nullptr;  ///< null where the problem has no estimate of its frequency
   FrequencyFloor floor_;
   bool full_;
   Mat<N> inverse_mass_{};

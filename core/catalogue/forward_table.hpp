@@ -1,6 +1,6 @@
 // What a problem of the catalogue that goes backward in time (core/catalogue/backward.hpp) takes from the forward
-// problem: its domain, quantities, orbital elements, and the energy of a flow, evaluated at the corresponding states of
-// the forward motion.
+// problem: its domain, quantities, orbital elements, its estimate of the local frequency, and the energy of a flow,
+// evaluated at the corresponding states of the forward motion.
 #pragma once
 
 #include <memory>

@@ -125,7 +125,8 @@ struct ClockedFew {
   static double level(const ClockedScene& problem, const State<N>& x) { return problem.level(x); }
   auto bind(const ClockedScene& problem, const State<N>& x, double energy) const {
     FewScene<N> few(*problem.scene);
-    if constexpr (std::is_same_v<Scheme, AdaptiveVerlet>) few.follow_from(x.q, energy, chosen.unit_energy);
+    if constexpr (std::is_same_v<Scheme, AdaptiveVerlet>)
+      few.follow_from(x.q, energy, chosen.unit_energy, problem.backend->motion());
     return chosen.bind(few, x, energy);
   }
 };

@@ -37,7 +37,9 @@ class SizedTable final : public ProblemTable {
   double offset() const override { return scene_->offset; }
   double period() const override { return 0; }
   double stiffness_rate() const override { return unknown; }
-  double frequency_squared(StateView) const override { return unknown; }
+  double frequency_squared(StateView x) const override {
+    return forward_ ? forward_->at(x, [](const auto& of, StateView y) { return of.frequency_squared(y); }) : unknown;
+  }
   bool reads_action() const override { return scene_->reads_action; }
   bool outside(StateView x) const override {
     return forward_ && forward_->at(x, [](const auto& of, StateView y) { return of.outside(y); });

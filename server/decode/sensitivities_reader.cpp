@@ -168,8 +168,11 @@ void read_sensitivities(const Json& root, const FieldPath& top, const SchemeCard
   const Json* const named = find(*json, "by");
   const bool moves_start_time =
       named && named->is_array() && std::ranges::find(*named, Json("/initial/t")) != named->end();
-  // By default the scheme's own map is differentiated where it has the requested derivatives.
-  asked.of_scheme = equal_steps && asked.order == 1 && !acts && !moves_start_time && (by_steps || !asked.at_samples);
+  // By default the scheme's own map is differentiated where it has the requested derivatives: at whole steps, and not
+  // at an end that an event moves.
+  const bool stops = std::ranges::any_of(request.events, &EventAsked::stop);
+  asked.of_scheme =
+      equal_steps && asked.order == 1 && !acts && !moves_start_time && (asked.at_samples ? by_steps : !stops);
   const Json* const of = find(*json, "of");
   if (of) {
     const Names names(variations::map_names.begin(), variations::map_names.end());

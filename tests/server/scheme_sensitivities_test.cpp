@@ -32,6 +32,23 @@ TEST_F(SchemeSensitivities, OfALeapfrogStepAreThoseOfItsFormula) {
   EXPECT_LT(found["uncertainty"], 1e-10);
 }
 
+// The end that an event moves has its derivatives along the motion: the time to fall from x is √(2x), and the speed
+// there as much. Of the scheme there are none, whoever asks for them.
+TEST_F(SchemeSensitivities, OfAnEndThatAnEventMovesAreThoseOfTheMotion) {
+  Json request{{"problem", {{"id", "custom"}, {"variables", {"x"}}, {"potential", "x"}}},
+               {"initial", {{"x", 1}}},
+               {"scheme", "leapfrog"},
+               {"until", 5},
+               {"events", {{{"name", "floor"}, {"expression", "x"}, {"stop", true}}}},
+               {"sensitivities", {{"by", {"/initial/x"}}}}};
+  const Json made = answer(request), &found = made["sensitivities"];
+  EXPECT_EQ(found["of"], "motion");
+  EXPECT_NEAR(found["final"][0][0], 0, 1e-12);
+  EXPECT_NEAR(found["final"][1][0], -std::sqrt(0.5), 1e-10);
+  request["sensitivities"]["of"] = "scheme";
+  EXPECT_EQ(answer(request)["sensitivities"]["of"], "scheme");
+}
+
 // A step across a jump of the force does not feel where in it the jump lies: the derivative of the map is 1, that of
 // the motion 0.17, and differences of runs confirm the former. Where the force has a corner only, both are one.
 TEST_F(SchemeSensitivities, AreInDoubtWhereTheForceJumps) {

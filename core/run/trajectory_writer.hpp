@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/run/acts.hpp"
 #include "core/run/columns.hpp"
 #include "core/run/curve.hpp"
 #include "core/run/outcome.hpp"
@@ -23,8 +24,14 @@ inline std::vector<double> shown_variables(const Request& request, const Problem
   const auto& cards = request.scene->card().variables;
   std::vector<double> all;
   all.reserve(cards.size());
+  const auto acts_on = [&](std::size_t i) {
+    return std::ranges::any_of(request.events, [i](const EventAsked& event) {
+      const auto sets = [i](const Setting& one) { return !one.velocity && one.index == i; };
+      return event.act && (event.act->values.reads_variable(i) || std::ranges::any_of(event.act->settings, sets));
+    });
+  };
   for (std::size_t i = 0; i < cards.size(); ++i) {
-    const bool asked = request.measures.reads_variable(i) || request.watched.reads_variable(i) ||
+    const bool asked = request.measures.reads_variable(i) || request.watched.reads_variable(i) || acts_on(i) ||
                        std::ranges::find(request.columns, i + 1) != request.columns.end();
     const double value = asked || !cards[i].optional ? variable(traits, x, i) : unknown;
     all.push_back(cards[i].optional && !std::isfinite(value) ? unknown : value);

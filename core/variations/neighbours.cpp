@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/catalogue/catalogue.hpp"
+#include "core/run/acts.hpp"
 
 namespace least::variations {
 namespace {
@@ -28,6 +29,27 @@ Request bare(Request request) {
   request.control = false;
   request.probe = true;
   return request;
+}
+
+/// reread parses expressions anew with the scene's parameters, which are constants in them.
+Measures reread(const Measures& measures, const Scene& scene, bool velocities) {
+  MeasureReader reader(scene, velocities);
+  for (const Measure& one : measures.list) reader.read(one.card.name, one.text);
+  Measures made = reader.made();
+  if (made.size() != measures.size()) return measures;
+  for (std::size_t i = 0; i < made.size(); ++i) made.list[i].card = measures.list[i].card;
+  return made;
+}
+
+/// set_parameters_of_events has the events of a request, and what they set, take the parameters of its scene.
+void set_parameters_of_events(Request& request) {
+  request.watched = reread(request.watched, *request.scene, false);
+  for (EventAsked& event : request.events) {
+    if (!event.act) continue;
+    auto act = std::make_shared<Act>(*event.act);
+    act->values = reread(act->values, *request.scene, true);
+    event.act = std::move(act);
+  }
 }
 
 /// end_of runs a bare request, which ends once keep_going() returns false.
@@ -57,7 +79,11 @@ Solution run_of_motion(const Request& request, const Solution& outcome, const Ke
 }
 
 Neighbours::Neighbours(const Request& request, const SensitivitiesAsked& asked, const Start& start)
-    : request_(bare(request)), asked_(asked), start_(start) {}
+    : request_(bare(request)), asked_(asked), start_(start) {
+  // The end of a run tells optional variables, as s, where their columns are asked for.
+  for (const std::size_t place : asked.equations->variables)
+    if (request.scene->card().variables[place].optional) request_.columns.push_back(place + 1);
+}
 
 std::optional<std::vector<double>> Neighbours::differences(std::span<const double> found,
                                                            const KeepGoing& keep_going) const {
@@ -114,6 +140,7 @@ std::vector<double> Neighbours::moved(const Quantity& quantity, double by, const
   auto scene = std::make_shared<Scene>(*request.scene);
   start_.move(quantity, by, *scene);
   request.scene = scene;
+  if (quantity.kind == Quantity::Kind::parameter) set_parameters_of_events(request);
   const Solution ended = end_of(request, keep_going);
   std::vector<double> state;
   for (const std::size_t place : asked_.equations->variables)

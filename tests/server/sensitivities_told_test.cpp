@@ -41,6 +41,40 @@ class SensitivitiesTold : public Asking {
   }
 };
 
+// Where the mechanics switch, differences of runs confirm the derivatives: these change a parameter in the texts of
+// events, too, be it in what an event sets, in where it happens, or in where it stops the run.
+TEST_F(SensitivitiesTold, RunsThatConfirmThemChangeTheTextsOfEvents) {
+  Json request = Json::parse(R"~({"problem":{"id":"custom","variables":["x"],"parameters":{"q":0.7,"c":0.3},
+    "potential":"max(x,-1)^2/2"},"initial":{"x":1},"scheme":"taylor","until":2,
+    "events":[{"name":"w","expression":"x-c","direction":"down","set":{"vx":"-q*vx"}}],
+    "sensitivities":{"by":["/problem/q","/problem/c"]}})~");
+  Json made = answer(request);
+  EXPECT_NEAR(made["sensitivities"]["final"][0][0], 0.6389179596168719, 1e-12);
+  EXPECT_LT(made["sensitivities"]["uncertainty"], 1e-8);
+  EXPECT_TRUE(made["warnings"].empty()) << made["warnings"];
+  request["events"][0].erase("set");
+  request["events"][0]["stop"] = true;
+  request["sensitivities"]["by"] = {"/problem/c"};
+  made = answer(request);
+  EXPECT_NEAR(made["sensitivities"]["final"][0][0], 1, 1e-12) << "it ends at x = c";
+  EXPECT_LT(made["sensitivities"]["uncertainty"], 1e-8);
+}
+
+// An event that sets s has it among the rows and in the final state, and runs that confirm the derivatives tell it,
+// too.
+TEST_F(SensitivitiesTold, TheActionThatAnEventSetsIsToldOfTheEnd) {
+  const Json made = answer(Json::parse(R"~({"problem":{"id":"custom","variables":["x"],
+    "lagrangian":"vx^2/2-max(x,-5)-0.2*s"},"initial":{"x":1},"scheme":"taylor","until":2,
+    "events":[{"name":"w","expression":"x","direction":"down","set":{"vx":"-0.7*vx","s":"s*0.5"}}],
+    "sensitivities":{"by":["/initial/x"]}})~"));
+  const Json& found = made["sensitivities"];
+  EXPECT_EQ(found["rows"], Json({"x", "px", "s"}));
+  EXPECT_EQ(found["final"].size(), 3U);
+  for (const Json& row : found["rows"]) EXPECT_TRUE(made["final"].contains(row)) << row;
+  EXPECT_LT(found["uncertainty"], 1e-8) << found;
+  EXPECT_FALSE(found.contains("reason")) << found["reason"];
+}
+
 // Masses from 1 to 8e-9 make entries of 1e8 and 1e-8: in units in which both are about 1 the map is symplectic to
 // rounding, by one scheme or another. Euler's steps keep no form in any units.
 TEST_F(SensitivitiesTold, TheStructureIsMeasuredInBalancedUnits) {

@@ -36,6 +36,20 @@ std::vector<Way> ways_of(const ProblemCard& card) {
   return all;
 }
 
+// refuse_velocity notes the velocity of a scene as text, which a start may name, where only variables of the card are
+// known: orbits are followed in momenta. `before` stands in front of the name.
+bool refuse_velocity(const Json& word, const FieldPath& path, const std::string& before, const Scene& scene) {
+  const text::TextScene* const text = scene.mechanics->text();
+  if (!text || !text->takes_velocities() || !word.is_string()) return false;
+  for (const std::string& variable : text->definition.variables) {
+    if (word != before + text::velocity_name(variable)) continue;
+    const std::string momentum = before + text::momentum_name(variable);
+    path.fault("is a velocity: a start may give it, but closed orbits are followed in momenta", word, momentum);
+    return true;
+  }
+  return false;
+}
+
 void read_family(const Json& root, const FieldPath& top, const ProblemCard& card, Question& question) {
   const Json* json = find(root, "family");
   const FieldPath path = top.at("family");
@@ -51,7 +65,8 @@ void read_family(const Json& root, const FieldPath& top, const ProblemCard& card
     path.at("by").lacks("is required", std::string(shape_of_family));
   } else {
     const Json pointer = by->is_string() ? Json(pointer_in_one_way(by->get<std::string>())) : *by;
-    way = read_name(pointer, path.at("by"), names, "way of a family");
+    if (!refuse_velocity(pointer, path.at("by"), "/initial/", *question.scene))
+      way = read_name(pointer, path.at("by"), names, "way of a family");
   }
   if (way) {
     asked.by = ways[*way].by;
@@ -134,8 +149,12 @@ Result<Question, Faults> decode_periodic(ParsedJson body, const Cards& cards, co
       names.push_back(card.variables[i].name);
       places.push_back(i);
     }
-    for (const std::size_t which : read_names(*fixed, top.at("fixed"), names, "variable"))
-      question.fixed.push_back(places[which]);
+    bool in_velocities = false;
+    for (std::size_t i = 0; fixed->is_array() && i < fixed->size(); ++i)
+      in_velocities = refuse_velocity((*fixed)[i], top.at("fixed").at(i), "", *scene) || in_velocities;
+    if (!in_velocities)
+      for (const std::size_t which : read_names(*fixed, top.at("fixed"), names, "variable"))
+        question.fixed.push_back(places[which]);
   }
   read_family(root, top, card, question);
   read_scheme(root, top, cards, preset, question);

@@ -75,6 +75,20 @@ TEST_F(PeriodicFaults, AreFaultsWithAPlace) {
   expect_fault(none, "/period", "required");
 }
 
+// A start may say velocities, but orbits are followed in momenta: a refusal of the one names the other.
+TEST_F(PeriodicFaults, SayWhichMomentumAVelocityHas) {
+  Json request{{"problem", pendulum()}, {"initial", {{"a", 0.5}, {"va", 0}}}, {"period", 6.4}, {"fixed", {"va"}}};
+  Json fault = fault_of(request, "/v1/periodic");
+  EXPECT_EQ(fault["pointer"], "/fixed/0");
+  EXPECT_EQ(fault["allowed"], "pa");
+  expect_fault(request, "/fixed/0", "is a velocity");
+  request["fixed"] = {"a"};
+  request["family"] = {{"by", "/initial/va"}, {"to", 1}, {"count", 3}};
+  fault = fault_of(request, "/v1/periodic");
+  EXPECT_EQ(fault["allowed"], "/initial/pa");
+  expect_fault(request, "/family/by", "is a velocity");
+}
+
 TEST_F(PeriodicFaults, KnowTheScene) {
   const Json driven = custom(R"~({"variables": ["x"], "potential": "x^2/2 - x*cos(2*t)"})~");
   const Json request{{"problem", driven}, {"initial", {{"x", 1}}}, {"period", 3}};

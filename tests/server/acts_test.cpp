@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "tests/server/balls.hpp"
 #include "tests/server/client.hpp"
 #include "tests/server/faults.hpp"
 #include "tests/server/fixture.hpp"
@@ -14,20 +15,7 @@ namespace {
 
 using std::numbers::pi;
 
-class EventsThatAct : public Asking {
- protected:
-  /// ball() is a ball that falls from the height 1 with g = 1 and keeps the part `restitution` of its speed at each
-  /// bounce.
-  static Json ball(double restitution) {
-    return {
-        {"problem", {{"id", "custom"}, {"variables", {"x"}}, {"parameters", {{"r", restitution}}}, {"potential", "x"}}},
-        {"initial", {{"x", 1}}},
-        {"scheme", "taylor"},
-        {"until", 20},
-        {"record", {{"every", 0}}},
-        {"events", {{{"name", "floor"}, {"expression", "x"}, {"direction", "down"}, {"set", {{"vx", "-r*vx"}}}}}}};
-  }
-};
+class EventsThatAct : public Asking {};
 
 // No ball falls through the floor, whatever part of its speed is kept, however long the run, and wherever the floor is.
 TEST_F(EventsThatAct, NoBallFallsThroughTheFloor) {

@@ -4,26 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/server/balls.hpp"
 #include "tests/server/client.hpp"
 #include "tests/server/fixture.hpp"
 
 namespace least::server::test {
 namespace {
 
-class PilingEvents : public Asking {
- protected:
-  /// ball() is a ball that falls from the height 1 with g = 1 and keeps the part `restitution` of its speed at each
-  /// bounce.
-  static Json ball(double restitution) {
-    return {
-        {"problem", {{"id", "custom"}, {"variables", {"x"}}, {"parameters", {{"r", restitution}}}, {"potential", "x"}}},
-        {"initial", {{"x", 1}}},
-        {"scheme", "taylor"},
-        {"until", 20},
-        {"record", {{"every", 0}}},
-        {"events", {{{"name", "floor"}, {"expression", "x"}, {"direction", "down"}, {"set", {{"vx", "-r*vx"}}}}}}};
-  }
-};
+class PilingEvents : public Asking {};
 
 // Bounces that have only been geometric so far do not stop a run: a ball is thrown again once it is slow, and intervals
 // may shrink to a length above the rounding of the time.

@@ -3,8 +3,9 @@
 
 namespace least {
 
-/// Whether a motion of this size at its start may be given in units in which it is about 1: to such motions a tolerance
-/// is absolute and relative alike. A size that no unit explains stands for nothing.
+/// usual_size returns whether a motion that starts with this size may be given in units in which it is about 1: to such
+/// motions a tolerance is absolute and relative alike. Sizes below 1e-50 and above 1e50 count as usual, too: no units
+/// lead to them, and a search for what is at rest starts there.
 constexpr bool usual_size(double size) {
   constexpr double least = 1e-3, most = 1e3, of_any_unit = 1e50;
   return (size >= least && size <= most) || !(size > 1 / of_any_unit && size < of_any_unit);

@@ -90,8 +90,8 @@ void StepUnits::settle(const Vector& y, std::size_t moving, std::size_t coordina
     double rounded = 0;
     for (std::size_t i = part.from; i < part.to; ++i)
       rounded = std::max(rounded, std::abs(rates[3][i] - 3 * rates[2][i] + 3 * rates[1][i] - rates[0][i]));
-    const double told = fastest > 0 ? std::min(rounded / (fastest * tolerance), 1.0) : 0;
-    const double unit = std::exp2(std::floor(std::log2(std::max(told, part.unit))));
+    const double resolved = fastest > 0 ? std::min(rounded / (fastest * tolerance), 1.0) : 0;
+    const double unit = std::exp2(std::floor(std::log2(std::max(resolved, part.unit))));
     for (std::size_t i = part.from; i < part.to; ++i) units_[i] = unit;
   }
 }

@@ -34,17 +34,13 @@ class ExplosiveScenes : public testing::Test {
   }
 
   /// answer_within() returns the answer to a request that takes less than `most` processor seconds in at least one of
-  /// three attempts: on a shared machine one takes longer now and then, but a computation that is not bounded does so
-  /// each time.
+  /// three attempts.
   Reply answer_within(double most, const std::string& path, const std::string& body) {
     Reply reply;
-    double least = most;
-    for (int attempt = 0; attempt < 3 && !(least < most); ++attempt) {
-      const double before = service_.processor_seconds();
+    const double least = service_.least_seconds(most, [&] {
       reply = ask(port(), post(path, body));
-      least = std::min(least, service_.processor_seconds() - before);
       EXPECT_TRUE(answered(reply)) << reply.status << ' ' << path << ' ' << reply.body.substr(0, 300);
-    }
+    });
     EXPECT_LT(least, most) << path << ' ' << body.substr(0, 300);
     return reply;
   }

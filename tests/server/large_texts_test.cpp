@@ -2,7 +2,6 @@
 // and all texts of a request share one bound.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <csignal>
 #include <string>
 #include <thread>
@@ -28,12 +27,7 @@ class LargeTexts : public testing::Test {
   /// refused returns the reply to a request that takes little processor time in at least one of three attempts.
   Reply refused(const std::string& path, const std::string& body) {
     Reply reply;
-    double least = most_seconds;
-    for (int attempt = 0; attempt < 3 && !(least < most_seconds); ++attempt) {
-      const double before = service_.processor_seconds();
-      reply = ask(port(), post(path, body));
-      least = std::min(least, service_.processor_seconds() - before);
-    }
+    const double least = service_.least_seconds(most_seconds, [&] { reply = ask(port(), post(path, body)); });
     EXPECT_LT(least, most_seconds) << body.substr(0, 200);
     EXPECT_EQ(reply.status, 422) << body.substr(0, 200) << reply.body.substr(0, 300);
     return reply;

@@ -38,8 +38,7 @@ TangentMotion::TangentMotion(tape::Tape equations, std::span<const tape::Index> 
 void TangentMotion::start(std::span<const double> x, std::span<const double> tangents, double t) {
   t_ = t;
   scale_ = largest_of(x);
-  least_size_ = least_size(scale_);
-  expansion_->set_least_size(least_size_);
+  expansion_->set_least_size(least_size(scale_));
   y_.assign(x.begin(), x.end());
   y_.insert(y_.end(), tangents.begin(), tangents.end());
   exponents_.assign(directions_, 0);
@@ -55,7 +54,7 @@ std::size_t TangentMotion::operations() const {
 
 /// rescale scales the derivatives to the size of the state, which decides the steps.
 void TangentMotion::rescale() {
-  const int wanted = std::ilogb(std::max(least_size_, largest_of(std::span(y_).first(size_))));
+  const int wanted = std::ilogb(std::max(least_size(scale_), largest_of(std::span(y_).first(size_))));
   for (std::size_t d = 0; d < directions_; ++d) {
     const std::span<double> u = std::span(y_).subspan((1 + d) * size_, size_);
     const double size = largest_of(u);

@@ -51,7 +51,7 @@ class TangentMotion {
 
   std::size_t size_, directions_;  ///< number of components, and of directions
   std::shared_ptr<taylor::Expansion> expansion_;
-  double t_ = 0, scale_ = 0, least_size_ = 1;
+  double t_ = 0, scale_ = 0;
   std::vector<double> y_, seen_, low_;  ///< the state, then its derivatives along each direction
   std::vector<int> exponents_;          ///< the powers of 2 that the derivatives along a direction have been divided by
 };
